@@ -145,9 +145,9 @@ void measure_room(Bench* bench) {
     std::printf("%-26s %8.3f\n", name.c_str(), ms);
     bench->keep("room, " + name, "ms", "ms", ms, 1, "portable");
   };
-  for (const bool told : {true, false}) {
+  for (const bool exposure_known : {true, false}) {
     double best = 1e30;
-    image.exposure = told ? 1.0f : 0.0f;
+    image.exposure = exposure_known ? 1.0f : 0.0f;
     for (uint32_t i = 0; i < k_repeats * k_images && !interrupted(); ++i) {
       const float axis[3] = {0, 1, 0};
       (void)sandglass_rotation_about(axis, 0.2618f * static_cast<float>(i % k_images), image.orientation);
@@ -158,7 +158,7 @@ void measure_room(Bench* bench) {
       while (room.phase != RoomPhase::idle) room_run_unit(&room);
       if (i % k_images != 0) best = std::min(best, cpu_ms_now() - from);  // the first image finds no exposure
     }
-    tell(told ? "image, exposure told" : "image, exposure not told", best);
+    tell(exposure_known ? "image, exposure told" : "image, exposure not told", best);
   }
   const sandglass_room_place place = {sizeof place, {0.5f, -0.5f, -1.0f}, nullptr, nullptr, nullptr, nullptr, nullptr};
   sandglass_room_light light = {};

@@ -95,8 +95,8 @@ TEST(Evenness, IsThatOfTheFormulaAtRandomAndOnALattice) {
 TEST(GrainMoves, TellsAJumpFromAWayWithTheParticles) {
   constexpr double k_seconds = 1.0 / 60.0;
   std::vector<float> particles = block(), grains = particles;
-  const auto go = [](std::vector<float>* points, double way) {
-    for (size_t i = 0; i < points->size(); i += 3) (*points)[i] += static_cast<float>(way * k_radius);
+  const auto go = [](std::vector<float>* points, double displacement) {
+    for (size_t i = 0; i < points->size(); i += 3) (*points)[i] += static_cast<float>(displacement * k_radius);
   };
   GrainMoves moves;
   moves.frame(particles, grains, k_radius, k_seconds);
@@ -107,7 +107,7 @@ TEST(GrainMoves, TellsAJumpFromAWayWithTheParticles) {
   go(&particles, 0.1);
   grains[0] += static_cast<float>(0.8 * k_radius);
   moves.frame(particles, grains, k_radius, k_seconds);
-  EXPECT_NEAR(moves.slow_way(), 0.8, 1e-4);
+  EXPECT_NEAR(moves.slow_displacement(), 0.8, 1e-4);
   EXPECT_EQ(moves.jumps_per_million(), 0.0) << "less than 1 r beyond";
   go(&particles, 2.0);
   go(&grains, 2.0);
@@ -115,7 +115,7 @@ TEST(GrainMoves, TellsAJumpFromAWayWithTheParticles) {
   moves.frame(particles, grains, k_radius, k_seconds);
   // One of the moves above 0.3 r: all grains' last one, and the first grain's before it.
   EXPECT_NEAR(moves.jumps_per_million(), 1e6 / (k_side * k_side * k_side + 1), 1e-6);
-  EXPECT_NEAR(moves.slow_way(), 0.8, 1e-4) << "what goes with the sand does not count";
+  EXPECT_NEAR(moves.slow_displacement(), 0.8, 1e-4) << "what goes with the sand does not count";
 }
 
 TEST(Follow, DrawnSandIsWhereTheParticlesAre) {

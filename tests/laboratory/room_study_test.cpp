@@ -95,8 +95,8 @@ TEST(RoomStudy, ItsLimitsAreHeldByGoodRowsAndBrokenByBadOnes) {
   };
   add("the true light in cells", 0.4, {-0.1, -0.2, -0.05}, {-0.04, -0.05, -0.03});
   for (const Session session : k_sessions) add(session_name(session), 0.7, {-0.1, -0.2, -0.05}, {-0.01, -0.02, -0.001});
-  for (const ProbeWay& way : k_probe_ways)
-    if (!way.control) add(way.name, way.limit, {0, 0, 0}, {-0.01, -0.02, -0.001});
+  for (const ProbeVariant& variant : k_probe_variants)
+    if (!variant.control) add(variant.name, variant.limit, {0, 0, 0}, {-0.01, -0.02, -0.001});
   add("control: worse", 1.2, {0, 0, 0}, {0.01, 0.005, 0.02}, true);
   table.sessions.resize(std::size(k_sessions));
   table.unguarded.mean = 0.4;

@@ -146,8 +146,8 @@ Room room_of(const Light& light, const Camera& camera) {
   const Surroundings ambient =
       panorama_surroundings(fill(false, floor), light.name, camera, azimuth, camera.target, 0.0);
   ShotLight all = light_above_floor(ambient.warped, ambient.view, floor);
-  const ShotLight one = one_light(light.towards, 1.0, main);
-  for (size_t i = 0; i < std::size(all.sh); ++i) all.sh[i] += one.sh[i];
+  const ShotLight main_part = one_light(light.towards, 1.0, main);
+  for (size_t i = 0; i < std::size(all.sh); ++i) all.sh[i] += main_part.sh[i];
   to_floats(from_floats(all.irradiance) + main, all.irradiance);
   to_floats(light.towards, all.main_direction);
   to_floats(main * (1.0 / luminance(main)), all.main_colour);
@@ -310,8 +310,8 @@ void beside_truth(const LookOptions& options, const Pile& pile, ShotPicture& pic
   const double wide = contrast(g, g, k_block), wide_truth = contrast(a, b, k_block);
   judge->add(name, "contrast at 32 px", "", wide_truth, wide, 0.2,
              std::fabs(off(g, k_block)) <= 0.2 || std::fabs(wide - wide_truth) < 0.01);
-  const double most_black = view.distance < 0.5 ? 0.035 : 0.01;
-  judge->add(name, "black pixels", "share", black(both), black(kit), most_black, black(kit) <= most_black);
+  const double black_max = view.distance < 0.5 ? 0.035 : 0.01;
+  judge->add(name, "black pixels", "share", black(both), black(kit), black_max, black(kit) <= black_max);
   const auto control = [&](const char* what, const KitChange& change) {
     const Grey changed = grey(drawn(change));
     double worst = 0.0;
@@ -345,24 +345,24 @@ void in_motion(const LookOptions& options, Pile* pile, Judge* judge) {
     return sand;
   };
   const RadianceMap first_fixed = drawn(fixed(before), still);
-  for (const auto& [millimetres, least] : {std::pair(0.5, 0.8), std::pair(2.0, 0.6), std::pair(6.0, 0.45)}) {
+  for (const auto& [millimetres, kept_min] : {std::pair(0.5, 0.8), std::pair(2.0, 0.6), std::pair(6.0, 0.45)}) {
     pile->shape({0, 0, 0});
     const Vec3 by = {1e-3 * millimetres, 0, 0};
     const SandShape after = pile->shape(by);
     char name[96];
     std::snprintf(name, sizeof name, "speckle kept when all moves by %.1f mm", millimetres);
     const double kept = in_common(first, drawn(after, moved(still, by)));
-    judge->add("motion", name, "", 1.0, kept, least, kept >= least);
+    judge->add("motion", name, "", 1.0, kept, kept_min, kept >= kept_min);
     std::snprintf(name, sizeof name, "control: that, of a block that stays, %.1f mm", millimetres);
     const double swum = in_common(first_fixed, drawn(fixed(after), moved(still, by)));
-    judge->add("motion", name, "", 0.0, swum, least, swum >= least, true);
+    judge->add("motion", name, "", 0.0, swum, kept_min, swum >= kept_min, true);
   }
   pile->shape({0, 0, 0});
   const SandShape again = pile->shape({0, 0, 0});
   const bool same = drawn(again, still).rgb == drawn(pile->shape({0, 0, 0}), still).rgb;
   judge->add("motion", "at rest the same picture", "", 1.0, same ? 1.0 : 0.0, 1.0, same);
   ShotPicture packed(pile->nothing, before);
-  for (const auto& [distance, most] : {std::pair(0.3, 0.36), std::pair(0.6, 0.33), std::pair(1.1, 0.24)}) {
+  for (const auto& [distance, limit] : {std::pair(0.3, 0.36), std::pair(0.6, 0.33), std::pair(1.1, 0.24)}) {
     const Camera camera = pile->camera({0.2, 0, 1}, distance);
     const Camera after = moved(camera, resting_camera(camera).right * (0.25 * distance / k_focal));
     const RadianceMap drawn_before = drawn(before, camera), drawn_after = drawn(before, after);
@@ -376,7 +376,7 @@ void in_motion(const LookOptions& options, Pile* pile, Judge* judge) {
     const double change = change_over_mean({drawn_before, drawn_before}, {drawn_after, drawn_after});
     char name[64];
     std::snprintf(name, sizeof name, "a quarter of a pixel at %.1f m, change", distance);
-    judge->add("flicker", name, "of mean", change_over_mean(truth[0], truth[1]), change, most, change <= most);
+    judge->add("flicker", name, "of mean", change_over_mean(truth[0], truth[1]), change, limit, change <= limit);
   }
 }
 

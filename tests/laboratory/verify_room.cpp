@@ -35,8 +35,8 @@ std::vector<Condition> conditions_of(RoomStudyOptions options, const RoomStudy& 
   conditions.push_back({"object at 0.8 radii", room_table(far, pool)});
   options.place = RoomStudyOptions().place;
   options.exposure_known = false;
-  const RoomStudy untold = study_rooms(options, study.objects);
-  if (!interrupted()) conditions.push_back({"exposure untold", room_table(untold, pool)});
+  const RoomStudy exposure_unknown = study_rooms(options, study.objects);
+  if (!interrupted()) conditions.push_back({"exposure untold", room_table(exposure_unknown, pool)});
   return conditions;
 }
 

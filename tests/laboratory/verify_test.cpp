@@ -18,7 +18,7 @@ namespace {
 // is what takes long (`far` and the flows).
 struct QuickGroup {
   const char* name;
-  size_t least_rows;
+  size_t rows_min;
 };
 void PrintTo(const QuickGroup& group, std::ostream* out) { *out << group.name; }
 
@@ -28,7 +28,7 @@ TEST_P(QuickVerdicts, EveryRowHolds) {
   VerdictChoice choice;
   choice.groups = {GetParam().name};
   const std::vector<Verdict> rows = granular_verdicts(choice, [](uint64_t, uint64_t) { return true; });
-  EXPECT_GE(rows.size(), GetParam().least_rows);
+  EXPECT_GE(rows.size(), GetParam().rows_min);
   for (const Verdict& row : rows)
     EXPECT_TRUE(row.pass) << row.name << ": " << row.result << ", truth " << row.truth << " within " << row.limit;
 }

@@ -215,8 +215,8 @@ LightLabels grey_world(const Picture& image, double contrast) {
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x) sum = sum + pixel_of(image, x, y);
   const Vec3 mean = sum * (1.0 / (static_cast<double>(image.width) * image.height));
-  const double most = std::max({mean.x, mean.y, mean.z});
-  const Vec3 light = most > 0.0 ? mean * (1.0 / most) : Vec3{1, 1, 1};
+  const double brightest = std::max({mean.x, mean.y, mean.z});
+  const Vec3 light = brightest > 0.0 ? mean * (1.0 / brightest) : Vec3{1, 1, 1};
   return {{0.0, -1.0, 0.0}, light, mean, contrast, true};
 }
 

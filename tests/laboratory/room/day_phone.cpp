@@ -82,7 +82,7 @@ Vec3 direction_of(Gaze gaze) {
   return {std::cos(e) * std::cos(a), std::sin(e), std::cos(e) * std::sin(a)};
 }
 
-DayPhone::DayPhone(double speed, bool told, double gain, double radius) : speed_(speed), gain_(gain), told_(told) {
+DayPhone::DayPhone(double speed, bool known, double gain, double radius) : speed_(speed), gain_(gain), known_(known) {
   sandglass_room_desc desc;
   sandglass_room_desc_default(&desc);
   desc.interval = 0;
@@ -138,7 +138,7 @@ double DayPhone::take(const World& world, Gaze gaze, double exposure) {
     image_.curve_points = k_curve_points;
   }
   if (tells_gains) to_floats(gains, image_.gains);
-  image_.exposure = told_ ? static_cast<float>(exposure) : 0.0f;
+  image_.exposure = known_ ? static_cast<float>(exposure) : 0.0f;
   const char* reason = nullptr;
   expect(sandglass_room_set_image(room_, &image_, nullptr, &reason), reason);
   return sum / (width * height);

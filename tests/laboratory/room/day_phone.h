@@ -22,9 +22,9 @@ Vec3 direction_of(Gaze gaze);
 
 class DayPhone {
  public:
-  // `speed`: the share of the way to the wanted exposure that each image goes. `told`: exposures are.
+  // `speed`: the share of the way to the wanted exposure that each image goes. `known`: exposures are.
   // `radius`: as the app tells it; 0: it does not.
-  DayPhone(double speed, bool told, double gain = 0.7, double radius = 0);
+  DayPhone(double speed, bool known, double gain = 0.7, double radius = 0);
 
   // An image, a tenth of a second after the one before.
   void see(const World& world, Gaze gaze);
@@ -63,7 +63,7 @@ class DayPhone {
   std::vector<uint64_t> block_;
   sandglass_room* room_ = nullptr;
   double speed_, gain_, last_gain_ = 1;
-  bool told_;
+  bool known_;
   uint64_t now_ = 1;
   Vec3 seen_ = {};  // mean of the last image, without its balance
   sandglass_camera_image image_ = {};

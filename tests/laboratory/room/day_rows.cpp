@@ -155,7 +155,7 @@ double worst_doubt(Draw draw) {
 // the truth and what a room says that was made at the door, `from_s` after it or later. The control walks without a
 // position, and no image that is doubted bounds its level.
 struct Door {
-  bool told;
+  bool exposure_known;
   double from_s, until_s;
   bool control;
 };
@@ -166,12 +166,12 @@ double worst_door(Draw draw, Door door) {
       const World first = drawn_room(&draw, false), second = drawn_room(&draw, false);
       const double truth = factor * floor_irradiance(first);
       const World other = brighter(second, truth / floor_irradiance(second));
-      DayPhone phone(0.3, door.told, 1.0), fresh(0.3, door.told, 1.0);
+      DayPhone phone(0.3, door.exposure_known, 1.0), fresh(0.3, door.exposure_known, 1.0);
       const auto see = [&](DayPhone* by, const World& world, int i) {
         const Gaze gaze = {azimuth + 1.8 * i, 15 + 35 * std::sin(0.09 * i)};
         by->resolve(48, 36, 37.5);
         if (!door.control) by->position = direction_of({azimuth, 0}) * (0.15 * std::clamp(i - 360, 0, 40));
-        if (door.told) by->see_and_obey(world, gaze);
+        if (door.exposure_known) by->see_and_obey(world, gaze);
         else by->see(world, gaze);
         return std::log(by->level(by->position) / truth);
       };
@@ -228,7 +228,7 @@ LampReport look_at_lamps(const Lamps& lamps, double azimuth, bool obeys) {
   phone.resolve(160 * fine, 120 * fine, 125 * fine);
   const double truth = lamps.irradiance();
   LampReport worst;
-  double least = 1, most = 0, last = -1;
+  double share_min = 1, share_max = 0, last = -1;
   bool there = false;
   for (int i = 0; i < 600; ++i) {
     const Gaze gaze = {azimuth + 9.0 * i + 20 * std::sin(i / 17.0), 20 + 30 * std::sin(i / 23.0)};
@@ -238,15 +238,15 @@ LampReport look_at_lamps(const Lamps& lamps, double azimuth, bool obeys) {
     const auto share = static_cast<double>(phone.light().main_share);
     worst.share = std::max(worst.share, std::fabs(share - lamps.true_share()));
     worst.level = std::max(worst.level, std::fabs(phone.level() / truth - 1));
-    least = std::min(least, share);
-    most = std::max(most, share);
+    share_min = std::min(share_min, share);
+    share_max = std::max(share_max, share);
     if (last >= 0) worst.jump = std::max(worst.jump, std::fabs(share - last));
     last = share;
     const bool now = static_cast<double>(phone.shown.main_share) > 0.5 * lamps.true_share();
     worst.goings += there && !now ? 2 : 0;  // half a minute
     there = now;
   }
-  worst.swing = most - least;
+  worst.swing = share_max - share_min;
   return worst;
 }
 
@@ -257,12 +257,12 @@ LampReport worst_lamps(Draw draw, size_t count, bool are_lamps, bool obeys) {
     const double elevation = draw.between(35, 65), first = azimuth + draw.between(0, 90);
     for (size_t k = 0; k < count; ++k)
       lamps.at.push_back(direction_of({first + 110.0 * static_cast<double>(k), elevation}));
-    const LampReport one = look_at_lamps(lamps, azimuth, obeys);
-    worst.share = std::max(worst.share, one.share);
-    worst.level = std::max(worst.level, one.level);
-    worst.swing = std::max(worst.swing, one.swing);
-    worst.jump = std::max(worst.jump, one.jump);
-    worst.goings = std::max(worst.goings, one.goings);
+    const LampReport report = look_at_lamps(lamps, azimuth, obeys);
+    worst.share = std::max(worst.share, report.share);
+    worst.level = std::max(worst.level, report.level);
+    worst.swing = std::max(worst.swing, report.swing);
+    worst.jump = std::max(worst.jump, report.jump);
+    worst.goings = std::max(worst.goings, report.goings);
   }
   return worst;
 }
@@ -287,7 +287,7 @@ double worst_size(Draw draw, bool control) {
 
 // How far the level is from that of a phone whose values are sRGB, where they are linear, HLG, PQ or of a tone curve; the
 // control does not say it.
-double worst_transfer(Draw draw, bool told) {
+double worst_transfer(Draw draw, bool transfer_known) {
   double worst = 0;
   const World world = drawn_room(&draw, false);
   for (const double azimuth : k_directions) {
@@ -295,7 +295,7 @@ double worst_transfer(Draw draw, bool told) {
     for (sandglass_transfer transfer = SANDGLASS_TRANSFER_SRGB; transfer <= SANDGLASS_TRANSFER_CURVE; ++transfer) {
       DayPhone phone(0.2, true, 1.0);
       phone.transfer = transfer;
-      phone.tells_transfer = told;
+      phone.tells_transfer = transfer_known;
       for (int i = 0; i < 300; ++i) phone.see_and_obey(world, {azimuth + 9.0 * i, 20 + 40 * std::sin(i / 13.0)});
       if (transfer == SANDGLASS_TRANSFER_SRGB) srgb = phone.level();
       worst = std::max(worst, std::fabs(phone.level() / srgb - 1));
@@ -395,7 +395,7 @@ Vec3 floor_colour(const World& world) {
 // A room that is warm on one side and cold on the other, and a camera that makes each image nine tenths grey: how far
 // red over blue of the light that is shown is from that of a grey thing in the picture. `follows`: 0 is a light that does
 // not follow.
-double worst_balance(Draw draw, bool told, bool follows) {
+double worst_balance(Draw draw, bool gains_known, bool follows) {
   double worst = 0;
   for (const double azimuth : k_directions) {
     const World grey = drawn_room(&draw, false);
@@ -410,7 +410,7 @@ double worst_balance(Draw draw, bool told, bool follows) {
     DayPhone phone(0.2, true, 1.0);
     phone.resolve(80, 60, 62);
     phone.follows = 0.9;
-    phone.tells_gains = told;
+    phone.tells_gains = gains_known;
     for (int i = 0; i < 600; ++i) {
       phone.see_and_obey(world, {azimuth + 1.8 * i, 10 + 45 * std::sin(i / 14.0)});
       if (i < 200) continue;
@@ -450,9 +450,9 @@ std::vector<Row> all_rows() {
   door_row("1 s on, exposure not told", std::log(2), {false, 1, 20, false});
   door_row("5 s on, exposure told", std::log(1.25), {true, 5, 7, false});
   door_row("control: the old room, 1 s on", std::log(2), {true, 1, 20, true});
-  for (const bool told : {true, false})
-    rows.push_back({"balance", told ? "red over blue, gains told" : "red over blue, gains not told", "|log|", 0.1625,
-                    [=](Draw draw) { return worst_balance(draw, told, true); }});
+  for (const bool gains_known : {true, false})
+    rows.push_back({"balance", gains_known ? "red over blue, gains told" : "red over blue, gains not told", "|log|",
+                    0.1625, [=](Draw draw) { return worst_balance(draw, gains_known, true); }});
   rows.push_back({"balance", "control: colours that stay", "|log|", 0.1625,
                   [](Draw draw) { return worst_balance(draw, true, false); }, true});
   rows.push_back(

@@ -89,10 +89,10 @@ struct MainLight {
 
 MainLight main_light_of(const RadianceMap& map) {
   MainLight light = {{0, 1, 0}, {}};
-  double most = -1;
+  double brightest = -1;
   over_pixels(map, [&](Vec3 d, Vec3 colour, double) {
-    if (luminance(colour) > most) {
-      most = luminance(colour);
+    if (luminance(colour) > brightest) {
+      brightest = luminance(colour);
       light.direction = d;
     }
   });
@@ -176,9 +176,9 @@ std::vector<sandglass_room_light> probe_lights(const RadianceMap& panorama, cons
   harmonics(ambient);
   harmonics(all);
 
-  sandglass_cube told = linear_cube(linear);
-  told.exposure = exposure_known ? 1 : 0;
-  tell(turn.room, [&](Room* room) { room_begin_cube(room, told); });
+  sandglass_cube with_exposure = linear_cube(linear);
+  with_exposure.exposure = exposure_known ? 1 : 0;
+  tell(turn.room, [&](Room* room) { room_begin_cube(room, with_exposure); });
 
   const RadianceMap mirrored = faces_of(panorama, k_linear_size, 12, true);
   cube(linear_cube(mirrored));

@@ -150,7 +150,7 @@ std::vector<Vec3> ball(const RadianceMap& map, double azimuth) {
   return pixels;
 }
 
-double apart(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
+double rms_distance(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
   double squares = 0;
   for (size_t i = 0; i < a.size(); ++i) {
     const Vec3 d = {srgb_of(a[i].x) - srgb_of(b[i].x), srgb_of(a[i].y) - srgb_of(b[i].y),
@@ -160,8 +160,8 @@ double apart(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
   return std::sqrt(squares / static_cast<double>(a.size()));
 }
 
-enum Way { k_exact, k_everything, k_turn, k_parts, k_clipped, k_turned, k_ways };
-constexpr std::array<const char*, k_ways> k_names = {
+enum Map { k_exact, k_everything, k_turn, k_parts, k_clipped, k_turned, k_maps };
+constexpr std::array<const char*, k_maps> k_names = {
     "cube, every texel seen exactly", "cube, a session that sees everything",
     "cube, a session of one turn",    "the 512 parts, everything seen",
     "cube of clipped images",         "cube, turned by 90 degrees"};
@@ -170,7 +170,7 @@ constexpr std::array<const char*, k_ways> k_names = {
 
 std::vector<Verdict> verify_reflections(const std::vector<RadianceMap>& rooms, uint64_t seed,
                                         const std::function<bool()>& go_on) {
-  double sums[k_ways] = {};
+  double sums[k_maps] = {};
   for (size_t i = 0; i < rooms.size(); ++i) {
     if (!go_on()) return {};
     const double gain = k_mean_shown / mean_of(rooms[i]);
@@ -187,23 +187,23 @@ std::vector<Verdict> verify_reflections(const std::vector<RadianceMap>& rooms, u
     for (int v = 0; v < room.height; ++v)
       for (int u = 0; u < room.width; ++u) turned.set(u, v, room.colour((u + room.width / 4) % room.width, v));
     const RadianceMap clipped = times(room, [](double x) { return std::min(x, 1.0); });
-    const std::array<RadianceMap, k_ways> maps = {cube_of(seen_exactly(room, everything)).map(),
+    const std::array<RadianceMap, k_maps> maps = {cube_of(seen_exactly(room, everything)).map(),
                                                   cube_of(everything).map(),
                                                   cube_of(look_around(room, Session::full_turn_shorter, options)).map(),
                                                   cube_of(parts).map(),
                                                   cube_of(clipped).map(),
                                                   cube_of(turned).map()};
     const std::vector<Vec3> truth = ball(room, options.azimuth);
-    for (size_t way = 0; way < k_ways; ++way)
-      sums[way] += apart(ball(maps[way], options.azimuth), truth) / static_cast<double>(rooms.size());
+    for (size_t map = 0; map < k_maps; ++map)
+      sums[map] += rms_distance(ball(maps[map], options.azimuth), truth) / static_cast<double>(rooms.size());
   }
   std::vector<Verdict> rows;
   // Half of what clipped images reach is 0.05.
   constexpr double k_reported = std::numeric_limits<double>::infinity();
-  constexpr std::array<double, k_ways> k_limits = {0.012, 0.05, k_reported, k_reported, 0.05, 0.05};
-  for (size_t way = 0; way < k_ways; ++way) {
-    const bool within = sums[way] <= k_limits[way], control = way >= k_clipped;
-    rows.push_back({"reflections", std::string(k_names[way]) + ", alpha 0.04", "rmse", 0.0, sums[way], k_limits[way],
+  constexpr std::array<double, k_maps> k_limits = {0.012, 0.05, k_reported, k_reported, 0.05, 0.05};
+  for (size_t map = 0; map < k_maps; ++map) {
+    const bool within = sums[map] <= k_limits[map], control = map >= k_clipped;
+    rows.push_back({"reflections", std::string(k_names[map]) + ", alpha 0.04", "rmse", 0.0, sums[map], k_limits[map],
                     control ? !within : within, control});
   }
   return rows;

@@ -13,7 +13,7 @@ namespace sandglass::host {
 namespace {
 
 // The floor's ratio beside an object.
-struct Way {
+struct Method {
   std::string name;
   std::function<std::vector<float>(const StudiedPlace&, size_t object)> floor;
   bool control = false;  // is wrong, and must be worse than what it spoils
@@ -33,40 +33,40 @@ std::vector<double> difference(const std::vector<double>& a, const std::vector<d
   return d;
 }
 
-Way in_cells(const RoomStudy& study, std::string name, const std::function<Cells(const StudiedPlace&)>& cells,
-             bool control = false) {
+Method in_cells(const RoomStudy& study, std::string name, const std::function<Cells(const StudiedPlace&)>& cells,
+                bool control = false) {
   return {std::move(name),
           [objects = study.objects, cells](const StudiedPlace& p, size_t o) { return (*objects)[o].drawn(cells(p)); },
           control};
 }
 
-Way no_shadow(const RoomStudy& study) {
+Method no_shadow(const RoomStudy& study) {
   return in_cells(study, "no shadow", [](const StudiedPlace&) { return Cells{}; });
 }
 
-Way ambient_occlusion(const RoomStudy& study) {
+Method ambient_occlusion(const RoomStudy& study) {
   Cells even;
   even.fill(1.0 / k_light_cells);
   return in_cells(study, "ambient occlusion alone", [even](const StudiedPlace&) { return even; });
 }
 
 // One light, and ambient occlusion for `ambient` of the rest.
-Way one_light(const RoomStudy& study, std::string name, const std::function<OneLight(const StudiedPlace&)>& light,
-              double ambient, bool control = false) {
+Method one_light(const RoomStudy& study, std::string name, const std::function<OneLight(const StudiedPlace&)>& light,
+                 double ambient, bool control = false) {
   return {std::move(name),
           [objects = study.objects, light, ambient](const StudiedPlace& p, size_t o) {
-            const OneLight one = light(p);
-            const double share = one.direction.y > 0 ? one.share : 0.0;
+            const OneLight sole = light(p);
+            const double share = sole.direction.y > 0 ? sole.share : 0.0;
             Cells rest;
             rest.fill(ambient * (1 - share) / k_light_cells);
-            return (*objects)[o].drawn(rest, share, one.direction);
+            return (*objects)[o].drawn(rest, share, sole.direction);
           },
           control};
 }
 
 // As an app draws it: the ambient shadow, and the sharp one of the main light.
-Way in_room(const RoomStudy& study, std::string name,
-            const std::function<sandglass_room_light(const StudiedPlace&)>& light_of) {
+Method in_room(const RoomStudy& study, std::string name,
+               const std::function<sandglass_room_light(const StudiedPlace&)>& light_of) {
   return {std::move(name), [objects = study.objects, light_of](const StudiedPlace& p, size_t o) {
             const sandglass_room_light light = light_of(p);
             return (*objects)[o].drawn(cells_of(light, true), static_cast<double>(light.main_share),
@@ -74,19 +74,19 @@ Way in_room(const RoomStudy& study, std::string name,
           }};
 }
 
-// The first way must be no_shadow, the second ambient_occlusion.
-std::vector<DrawnRow> drawn_rows(const RoomStudy& study, const std::vector<Way>& ways) {
+// The first method must be no_shadow, the second ambient_occlusion.
+std::vector<DrawnRow> drawn_rows(const RoomStudy& study, const std::vector<Method>& methods) {
   const size_t objects = study.objects->size();
   std::vector<DrawnRow> rows;
   std::vector<double> none, ambient;  // by place
-  for (const Way& way : ways) {
+  for (const Method& method : methods) {
     DrawnRow row;
-    row.name = way.name;
-    row.control = way.control;
+    row.name = method.name;
+    row.control = method.control;
     std::vector<double> floor;
     for (size_t o = 0; o < objects; ++o) {
       const std::vector<double> errors =
-          by_location(study, [&](const StudiedPlace& p) { return error_of(way.floor(p, o), p.truths[o]); });
+          by_location(study, [&](const StudiedPlace& p) { return error_of(method.floor(p, o), p.truths[o]); });
       floor.resize(errors.size());
       for (size_t i = 0; i < errors.size(); ++i) floor[i] += errors[i] / static_cast<double>(objects);
     }
@@ -147,7 +147,7 @@ Lights lights_of(const RoomStudy& study, ThreadPool* pool) {
   return lights;
 }
 
-std::vector<Way> ways_of(const RoomStudy& study, const Lights& lights) {
+std::vector<Method> methods_of(const RoomStudy& study, const Lights& lights) {
   const auto light_in = [&study, &lights](Session session, size_t away = 0) {
     return [&study, &lights, session, away](const StudiedPlace& p) -> const sandglass_room_light& {
       const auto index = static_cast<size_t>(&p - study.places.data());
@@ -156,39 +156,39 @@ std::vector<Way> ways_of(const RoomStudy& study, const Lights& lights) {
   };
   const auto label = [](const StudiedPlace& p) { return p.label; };
   const auto estimate = [](const StudiedPlace& p) { return p.estimates.front(); };
-  std::vector<Way> ways = {no_shadow(study), ambient_occlusion(study)};
-  ways.push_back(one_light(study, "one light, the true label", label, 0.0));
-  ways.push_back(one_light(study, "the true label and ambient occlusion", label, 1.0));
+  std::vector<Method> methods = {no_shadow(study), ambient_occlusion(study)};
+  methods.push_back(one_light(study, "one light, the true label", label, 0.0));
+  methods.push_back(one_light(study, "the true label and ambient occlusion", label, 1.0));
   if (!study.places.front().estimates.empty()) {
-    ways.push_back(one_light(study, "one light, by the network from an image", estimate, 0.0));
-    ways.push_back(one_light(study, "the network's and ambient occlusion", estimate, 1.0));
+    methods.push_back(one_light(study, "one light, by the network from an image", estimate, 0.0));
+    methods.push_back(one_light(study, "the network's and ambient occlusion", estimate, 1.0));
   }
-  for (const Session session : k_sessions) ways.push_back(in_room(study, session_name(session), light_in(session)));
-  ways.push_back(in_cells(study, k_true_cells, [](const StudiedPlace& p) { return p.light.cells; }));
-  ways.push_back(in_cells(
+  for (const Session session : k_sessions) methods.push_back(in_room(study, session_name(session), light_in(session)));
+  methods.push_back(in_cells(study, k_true_cells, [](const StudiedPlace& p) { return p.light.cells; }));
+  methods.push_back(in_cells(
       study, "control: a full turn, mirrored",
       [turn = light_in(Session::full_turn)](const StudiedPlace& p) { return mirrored(cells_of(turn(p), false)); },
       true));
-  ways.push_back(in_cells(
+  methods.push_back(in_cells(
       study, "control: a full turn in another room",
       [turn = light_in(Session::full_turn, study.places.size() / 2)](const StudiedPlace& p) {
         return cells_of(turn(p), false);
       },
       true));
-  if (study.places.front().probes.empty()) return ways;
-  const auto probe = [&study](size_t way, size_t away = 0) {
-    return [&study, way, away](const StudiedPlace& p) {
+  if (study.places.front().probes.empty()) return methods;
+  const auto probe = [&study](size_t variant, size_t away = 0) {
+    return [&study, variant, away](const StudiedPlace& p) {
       const auto index = static_cast<size_t>(&p - study.places.data());
-      return study.places[(index + away) % study.places.size()].probes[way];
+      return study.places[(index + away) % study.places.size()].probes[variant];
     };
   };
-  for (size_t way = 0; way < std::size(k_probe_ways); ++way) {
-    ways.push_back(in_room(study, k_probe_ways[way].name, probe(way)));
-    ways.back().control = k_probe_ways[way].control;
+  for (size_t variant = 0; variant < std::size(k_probe_variants); ++variant) {
+    methods.push_back(in_room(study, k_probe_variants[variant].name, probe(variant)));
+    methods.back().control = k_probe_variants[variant].control;
   }
-  ways.push_back(in_room(study, k_probe_elsewhere, probe(0, study.places.size() / 2)));
-  ways.back().control = true;
-  return ways;
+  methods.push_back(in_room(study, k_probe_elsewhere, probe(0, study.places.size() / 2)));
+  methods.back().control = true;
+  return methods;
 }
 
 SessionRow session_row(const RoomStudy& study, const Lights& lights, Session session) {
@@ -230,7 +230,7 @@ const DrawnRow& row_of(const std::vector<DrawnRow>& rows, const std::string& nam
 RoomTable room_table(const RoomStudy& study, ThreadPool* pool) {
   const Lights lights = lights_of(study, pool);
   RoomTable table;
-  table.drawn = drawn_rows(study, ways_of(study, lights));
+  table.drawn = drawn_rows(study, methods_of(study, lights));
   for (const Session session : k_sessions) table.sessions.push_back(session_row(study, lights, session));
   const std::vector<double> unguarded = by_location(study, [](const StudiedPlace& p) {
     return std::fabs(level_error(p, p.unguarded, light_at(p, p.unguarded.room)));
@@ -310,8 +310,8 @@ std::vector<Verdict> room_verdicts(const std::vector<Condition>& conditions) {
           of_session(condition.table, Session::full_turn).against_ambient.high, 0.0, "upper end");
   below("direction", "a full turn", table.sessions[static_cast<size_t>(Session::full_turn)].direction_deg.mean, 15.0,
         "degrees");
-  for (const ProbeWay& way : k_probe_ways)
-    if (!way.control) below("floor", way.name, row_of(table.drawn, way.name).share_of_ambient, way.limit, "of AO");
+  for (const ProbeVariant& v : k_probe_variants)
+    if (!v.control) below("floor", v.name, row_of(table.drawn, v.name).share_of_ambient, v.limit, "of AO");
   const double level = table.sessions[static_cast<size_t>(Session::full_turn)].level.mean;
   rows.push_back({"level", "a full turn (the aim is 0.35)", "|log ratio|", 0.0, level,
                   std::numeric_limits<double>::infinity(), true, false});

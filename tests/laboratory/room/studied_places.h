@@ -39,7 +39,7 @@ struct StudiedPlace {
   PartRadiance parts;                        // the panorama's, of all directions
   std::vector<OneLight> estimates;           // of one light, from an image
   sandglass_estimator_light network = {};    // the network's, as it gives it
-  std::vector<sandglass_room_light> probes;  // by k_probe_ways; of objects that were moved there are none
+  std::vector<sandglass_room_light> probes;  // by k_probe_variants; of objects that were moved there are none
 };
 
 constexpr Session k_unguarded = Session::everything_shorter;

@@ -45,13 +45,13 @@ double highest_of(std::span<const float> positions) {
 
 std::vector<float> scattered(uint32_t count, double shaft, double bottom, double radius, uint64_t seed) {
   constexpr double k_filled = 0.2;
-  const double apart = 2.02 * radius, gap = 1.01 * radius;
+  const double spacing = 2.02 * radius, gap = 1.01 * radius;
   const double reach = shaft - gap, area = std::numbers::pi * reach * reach;
   const double height = count * 4.0 / 3.0 * std::numbers::pi * radius * radius * radius / (k_filled * area);
   std::vector<float> points;
-  std::unordered_multimap<int64_t, uint32_t> cells;  // cubes with edges of `apart`
+  std::unordered_multimap<int64_t, uint32_t> cells;  // cubes with edges of `spacing`
   const auto cell = [&](double x, double y, double z) {
-    const auto index = [&](double value) { return static_cast<int64_t>(std::floor(value / apart)) & 0xfffff; };
+    const auto index = [&](double value) { return static_cast<int64_t>(std::floor(value / spacing)) & 0xfffff; };
     return index(x) << 40 | index(y) << 20 | index(z);
   };
   Random random = {seed};
@@ -62,11 +62,11 @@ std::vector<float> scattered(uint32_t count, double shaft, double bottom, double
     bool taken = false;
     for (int i = 0; i < 27 && !taken; ++i) {
       const auto near =
-          cells.equal_range(cell(x + apart * (i % 3 - 1), y + apart * (i / 3 % 3 - 1), z + apart * (i / 9 - 1)));
+          cells.equal_range(cell(x + spacing * (i % 3 - 1), y + spacing * (i / 3 % 3 - 1), z + spacing * (i / 9 - 1)));
       for (auto it = near.first; it != near.second && !taken; ++it) {
         const float* p = points.data() + 3 * static_cast<size_t>(it->second);
         const double ex = p[0] - x, ey = p[1] - y, ez = p[2] - z;
-        taken = ex * ex + ey * ey + ez * ez < apart * apart;
+        taken = ex * ex + ey * ey + ez * ez < spacing * spacing;
       }
     }
     if (taken) continue;

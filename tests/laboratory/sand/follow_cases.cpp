@@ -153,7 +153,7 @@ Followed follow(const FollowScene& what, sandglass_blend blend, uint64_t seed, s
                 const std::function<void(double)>& step) {
   constexpr int k_looks = 12;
   constexpr uint64_t k_short_budget = 3'000'000, k_unit = 20'000;  // ns; a third of the work units that are wanted
-  constexpr double k_slowest = 20.0, k_way = 0.4;  // times the scene's own time; seconds that a hand takes to the sand
+  constexpr double k_slowest = 20.0, k_lead = 0.4;  // times the scene's own time; seconds that a hand takes to the sand
   SceneFile scene = what.make();
   turn(&scene, seed);
   const LoadedMeshes meshes(scene);
@@ -185,7 +185,7 @@ Followed follow(const FollowScene& what, sandglass_blend blend, uint64_t seed, s
     time = report.time.simulated;
     result.moves.frame(simulation.particle_positions(), simulation.grain_positions(), scene.particle_radius,
                        scene.frame_step);
-    if (time < what.flow_from - k_way) result.awake = report.sand.awake;
+    if (time < what.flow_from - k_lead) result.awake = report.sand.awake;
     if (looks < k_looks && time >= what.flow_from + looks * (what.flow_to - what.flow_from) / (k_looks - 1)) {
       const Placement here = look();
       result.flow.bare += here.bare / k_looks;
@@ -235,12 +235,12 @@ struct Judge {
     claim("half, end", "of R", 0.99, f.end.half, 0.06);  // 0.93 to 1.05
     claim("P95, end", "of R", 0.985, f.end.p95, 0.065);  // 0.92 to 1.05
     claim("wrong cell, flow", "%", 0.0, f.flow.wrong, thin ? 17.0 : k_wrong);
-    claim("slow grain's way", "r", 0.0, f.moves.slow_way(), 1.0);
+    claim("slow grain's way", "r", 0.0, f.moves.slow_displacement(), 1.0);
     if (f.even.variation > 0.0) {
       // At 2 they touch; without a push it is below 1.2.
-      const bool even = scene.variation > 0.0, least = settles();
-      row("variation inside", "of random", 0.0, f.even.variation, even ? scene.variation : least ? 1.0 : k_reported);
-      row("nearest grain", "grain radii", 2.0, f.even.nearest, even ? k_near : least ? 0.8 : k_reported);
+      const bool even = scene.variation > 0.0, settled = settles();
+      row("variation inside", "of random", 0.0, f.even.variation, even ? scene.variation : settled ? 1.0 : k_reported);
+      row("nearest grain", "grain radii", 2.0, f.even.nearest, even ? k_near : settled ? 0.8 : k_reported);
     }
     if (std::string(scene.group) == "wake") claim("awake before", "particles", 0.0, f.awake, 0.0);
   }

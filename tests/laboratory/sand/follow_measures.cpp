@@ -93,20 +93,20 @@ Placement measure_placement(Points particles, Points grains, double radius, uint
 void GrainMoves::frame(Points particles, Points grains, double radius, double seconds) {
   constexpr double k_move = 0.3, k_jump = 1.0, k_about = 3.0;  // r
   constexpr double k_slow = 0.1;                               // m/s
-  const auto way = [](Points from, Points to, size_t i) { return length(point(to, i) - point(from, i)); };
+  const auto displacement = [](Points from, Points to, size_t i) { return length(point(to, i) - point(from, i)); };
   const CellGrid about(particles_, k_about * radius);
   for (size_t i = 0; i < count(grains_); ++i) {
-    const double own = way(grains_, grains, i);
+    const double own = displacement(grains_, grains, i);
     if (own < k_move * radius) continue;
     moves_ += 1.0;
-    const bool slow = 3 * i < before_.size() && way(before_, grains_, i) < k_slow * seconds;
+    const bool slow = 3 * i < before_.size() && displacement(before_, grains_, i) < k_slow * seconds;
     if (own < k_jump * radius && !slow) continue;
-    double most = -1.0;  // of the particles about it
+    double highest = -1.0;  // of the particles about it
     within(about, particles_, point(grains_, i), k_about * radius,
-           [&](uint32_t j, double) { most = std::max(most, way(particles_, particles, j)); });
-    if (most < 0.0) continue;
-    jumps_ += own - most > k_jump * radius ? 1.0 : 0.0;
-    if (slow && most < k_slow * seconds) slow_way_ = std::max(slow_way_, own / radius);
+           [&](uint32_t j, double) { highest = std::max(highest, displacement(particles_, particles, j)); });
+    if (highest < 0.0) continue;
+    jumps_ += own - highest > k_jump * radius ? 1.0 : 0.0;
+    if (slow && highest < k_slow * seconds) slow_displacement_ = std::max(slow_displacement_, own / radius);
   }
   before_ = std::move(grains_);
   particles_.assign(particles.begin(), particles.end());

@@ -30,11 +30,11 @@ class GrainMoves {
   double jumps_per_million() const { return moves_ > 0.0 ? 1e6 * jumps_ / moves_ : 0.0; }
   // The longest move, in r, of a grain that was slower than 0.1 m/s in the frame before, while all particles within 3 r
   // are: one sees it.
-  double slow_way() const { return slow_way_; }
+  double slow_displacement() const { return slow_displacement_; }
 
  private:
   std::vector<float> particles_, grains_, before_;  // of the last frame; `before_`: grains of the one before it
-  double moves_ = 0.0, jumps_ = 0.0, slow_way_ = 0.0;
+  double moves_ = 0.0, jumps_ = 0.0, slow_displacement_ = 0.0;
 };
 
 }  // namespace sandglass::host

@@ -120,7 +120,7 @@ void refinement(Table& t) {
   t.claim("lambda threshold, one ulp", "d", 0.0, threshold_jump(t.defaults()), 0.001);
   const PushOnALine push = push_on_a_line(t.defaults());
   t.claim("push, from grain to grain", "d", 0.0, push.change, 0.001);
-  t.control("push, were it at once", "d", 0.0, push.most, 0.001);
+  t.control("push, were it at once", "d", 0.0, push.max, 0.001);
   sandglass_scene_desc source = t.defaults();
   source.granular.reference.blend = SANDGLASS_BLEND_SOURCE;
   const double jump = threshold_jump(source);
@@ -139,9 +139,9 @@ void column(Table& t) {
     double sum = 0.0;
     for (uint64_t seed = 1; seed <= seeds; ++seed) {
       setting.seed = 1000 * t.seed + seed;
-      const Collapse one = collapse(desc, setting, t.step);
-      sum += one.runout / static_cast<double>(seeds);
-      packing = std::max(packing, one.packing);
+      const Collapse trial = collapse(desc, setting, t.step);
+      sum += trial.runout / static_cast<double>(seeds);
+      packing = std::max(packing, trial.packing);
     }
     return sum;
   };
@@ -206,7 +206,7 @@ void janssen(Table& t) {
 void angles(Table& t) {
   constexpr double k_radius_d = 8.0, k_aspect = 1.2;
   constexpr uint64_t k_seeds = 4;  // two leave an angle uncertain by more than it rises between rough coefficients
-  double least_rise = 1e30, before = 0.0;
+  double rise_min = 1e30, before = 0.0;
   for (int tenth = 1; tenth <= 10; ++tenth) {
     const double mu = 0.1 * tenth;
     double angle = 0.0;
@@ -215,12 +215,12 @@ void angles(Table& t) {
     char name[40];
     std::snprintf(name, sizeof name, "repose mu=%.1f", mu);
     t.report(name, "deg", std::atan(mu) * 57.29577951308232, angle);
-    if (tenth > 1) least_rise = std::min(least_rise, angle - before);
+    if (tenth > 1) rise_min = std::min(rise_min, angle - before);
     before = angle;
   }
   // The angle must rise strictly: the least rise from one coefficient to the next is above 0.
-  constexpr double k_most = 45.0;
-  t.claim("repose rises with mu, least", "deg", k_most, least_rise, k_most * (1.0 - 1e-9));
+  constexpr double k_rise_max = 45.0;
+  t.claim("repose rises with mu, least", "deg", k_rise_max, rise_min, k_rise_max * (1.0 - 1e-9));
 }
 
 void hard(Table& t) {

@@ -273,7 +273,7 @@ PushOnALine push_on_a_line(const sandglass_scene_desc& desc) {
   for (uint32_t place = 0; place < k_grains; ++place) {
     const size_t y = 3 * size_t{place % k_stretch * k_kinds + place / k_stretch} + 1;
     const double here = (static_cast<double>(end[y]) - static_cast<double>(material.grain_positions[y])) / d;
-    push.most = std::max(push.most, std::fabs(here));
+    push.max = std::max(push.max, std::fabs(here));
     if (place % k_stretch != 0) push.change = std::max(push.change, std::fabs(here - before));
     before = here;
   }

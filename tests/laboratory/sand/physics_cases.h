@@ -56,7 +56,7 @@ double threshold_jump(const sandglass_scene_desc& desc);
 // How far, in d and across the line, the push for an even density moves grains on a line through a block of particles at
 // rest and far beyond it on both sides: the most, and the largest change from a grain to the next, 0.0012 radii away.
 struct PushOnALine {
-  double most = 0.0, change = 0.0;
+  double max = 0.0, change = 0.0;
 };
 PushOnALine push_on_a_line(const sandglass_scene_desc& desc);
 

@@ -49,9 +49,9 @@ Drawn cast_of(const Mesh& mesh, const Light& light, const CastChoice& choice, Ca
 }
 
 Truth truth_of(const Mesh& mesh, const Light& light, const Drawn& drawn, uint64_t stream, ThreadPool& pool) {
-  const ShadowCaster one(mesh, light.half, {2, 8}, 1), two(mesh, light.half, {2, 8}, 2);
-  return {one.texture(drawn.rectangle, light.direction, stream, drawn.texels, pool),
-          two.texture(drawn.rectangle, light.direction, stream, drawn.texels, pool)};
+  const ShadowCaster first(mesh, light.half, {2, 8}, 1), second(mesh, light.half, {2, 8}, 2);
+  return {first.texture(drawn.rectangle, light.direction, stream, drawn.texels, pool),
+          second.texture(drawn.rectangle, light.direction, stream, drawn.texels, pool)};
 }
 
 double error_of(const std::function<double(size_t)>& left, const Truth& truth, double texel, double area) {

@@ -39,7 +39,7 @@ std::vector<Light> wide_lights(const CastRowsOptions& options) {
 class Rows {
  public:
   // At most `limit`; infinite: reported. A control must be above it.
-  void at_most(const std::string& group, const std::string& name, double value, double limit, bool control = false) {
+  void add(const std::string& group, const std::string& name, double value, double limit, bool control = false) {
     const bool holds = value <= limit;
     rows.push_back({group, group + ", " + name, "rmse", 0, value, limit, control ? !holds : holds, control});
   }
@@ -47,7 +47,7 @@ class Rows {
   // shape.
   void chosen_on(const std::string& group, const std::string& name, double value, double limit, bool control = false) {
     const bool judged = group == "chair" || group == "armadillo";
-    at_most(group, name, value, judged ? limit : k_reported, control && judged);
+    add(group, name, value, judged ? limit : k_reported, control && judged);
   }
   std::vector<Verdict> rows;
 };
@@ -85,12 +85,12 @@ void whole_mesh(const CastRowsOptions& options, const CastMeshFile& file, Thread
     sums["from the other side"].add(of({turned(light.direction, 180), light.half}, 64, file.closed));
   }
   const std::string& g = file.name;
-  rows->at_most(g, "K 64", sums["64"].mean(), 0.012);
-  rows->at_most(g, "K 64, worst light", sums["64"].worst, 0.021);
-  rows->at_most(g, "K 64, both sides", sums["both sides"].mean(), 0.012);
-  rows->at_most(g, "K 32", sums["32"].mean(), 0.016);
+  rows->add(g, "K 64", sums["64"].mean(), 0.012);
+  rows->add(g, "K 64, worst light", sums["64"].worst, 0.021);
+  rows->add(g, "K 64, both sides", sums["both sides"].mean(), 0.012);
+  rows->add(g, "K 32", sums["32"].mean(), 0.016);
   for (const char* control : {"8", "turned by 5 degrees", "half as wide", "a point", "from the other side"})
-    rows->at_most(g, control[0] == '8' ? "K 8" : std::string("light ") + control, sums[control].mean(), 0.016, true);
+    rows->add(g, control[0] == '8' ? "K 8" : std::string("light ") + control, sums[control].mean(), 0.016, true);
 }
 
 // The lights of the baked network, beside it.
@@ -127,8 +127,8 @@ void baked_lights(const CastRowsOptions& options, const CastMeshFile& file, Thre
     of_network.add(
         error_of([&](size_t i) { return other.at(drawn.place(i)[0], drawn.place(i)[1]); }, truth, drawn.area(), area));
   }
-  rows->at_most(file.name, "lights of the bake, K 64", of_cast.mean(), 0.012);
-  rows->at_most(file.name, "lights of the bake, its network", of_network.mean(), k_reported);
+  rows->add(file.name, "lights of the bake, K 64", of_cast.mean(), 0.012);
+  rows->add(file.name, "lights of the bake, its network", of_network.mean(), k_reported);
 }
 
 // ------------------------------------------------------------------------------------------------ other planes
@@ -164,8 +164,8 @@ void on_wall(const CastMeshFile& file, ThreadPool& pool, Rows* rows) {
           none.add(error_of([](size_t) { return 1.0; }, truth, drawn.area(), area));
         }
     const std::string name = heights < 0.5 ? "wall at 0.3 heights" : "wall at 1 height";
-    rows->at_most(file.name, name + ", K 64", sum.mean(), 0.010);
-    rows->at_most(file.name, name + ", no shadow", none.mean(), 0.010, true);
+    rows->add(file.name, name + ", K 64", sum.mean(), 0.010);
+    rows->add(file.name, name + ", no shadow", none.mean(), 0.010, true);
   }
 }
 
@@ -221,9 +221,9 @@ void below_table(const CastMeshFile& file, ThreadPool& pool, Rows* rows) {
       alone.add(error([&](size_t i) { return plain.at(drawn.place(i)[0], drawn.place(i)[1]); }));
       none.add(error([](size_t) { return 1.0; }));
     }
-  rows->at_most(file.name, "below a table, masked", masked.mean(), 0.016);
+  rows->add(file.name, "below a table, masked", masked.mean(), 0.016);
   rows->chosen_on(file.name, "below a table, unmasked", alone.mean(), 0.016, true);
-  rows->at_most(file.name, "below a table, no shadow", none.mean(), 0.016, true);
+  rows->add(file.name, "below a table, no shadow", none.mean(), 0.016, true);
 }
 
 // A heap of sand in the object's shadow, as steep as sand lies: what both leave of the light, in one cast.
@@ -263,7 +263,7 @@ void with_heap(const CastMeshFile& file, ThreadPool& pool, Rows* rows) {
       }
       errors.add(std::sqrt(std::max(sum, 0.0) * of_both.area() / area));
     }
-  rows->at_most(file.name, "beside a heap, both in one cast", errors.mean(), 0.012);
+  rows->add(file.name, "beside a heap, both in one cast", errors.mean(), 0.012);
 }
 
 // ------------------------------------------------------------------------------------------------ rooms
@@ -342,11 +342,11 @@ void in_rooms(const CastRowsOptions& options, const CastMeshFile& file, bool wal
   }
   const std::string name = wall ? "ambient on a wall" : "ambient";
   const double limit = wall ? 0.031 : 0.020;
-  rows->at_most(file.name, name + ", its cells", cells.mean(), limit);
-  rows->at_most(file.name, name + ", an even sky", even.mean(), limit, true);
+  rows->add(file.name, name + ", its cells", cells.mean(), limit);
+  rows->add(file.name, name + ", an even sky", even.mean(), limit, true);
   if (!wall) return;
-  rows->at_most(file.name, name + ", the library's room", of_room.mean(), 0.034);  // of 512 parts
-  rows->at_most(file.name, name + ", the floor's cells", of_the_floor.mean(), limit, true);
+  rows->add(file.name, name + ", the library's room", of_room.mean(), 0.034);  // of 512 parts
+  rows->add(file.name, name + ", the floor's cells", of_the_floor.mean(), limit, true);
 }
 
 // What a surface receives of an even sky beside what it would without itself, by rays from places on it; of a closed mesh
@@ -389,9 +389,9 @@ void of_surface(const CastMeshFile& file, Rows* rows) {
   CastChoice choice = {.closed = file.closed};
   choice.cells.emplace();
   choice.cells->fill(1.0f / SANDGLASS_LIGHT_CELLS);
-  const double told = cast_of(object.mesh, {{0, 1, 0}, 0.1}, choice).open;
-  rows->at_most(file.name, "light of its own surface, off by", std::fabs(told - open / sky),
-                file.closed ? 0.03 : k_reported);
+  const double cast_open = cast_of(object.mesh, {{0, 1, 0}, 0.1}, choice).open;
+  rows->add(file.name, "light of its own surface, off by", std::fabs(cast_open - open / sky),
+            file.closed ? 0.03 : k_reported);
 }
 
 // ------------------------------------------------------------------------------------------------ from frame to frame

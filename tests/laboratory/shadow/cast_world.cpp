@@ -174,19 +174,19 @@ Pair in_shade(Draw* draw, bool below_table, ThreadPool& pool) {
   for (const double share : {0.3, 0.5, 0.7, 0.85, 0.95}) {
     world.share = share;
     const Cast cast = drawn(world, meshes);
-    double wanted = 0, told = 0, control = 0;
+    double wanted = 0, known = 0, control = 0;
     for (int i = 0; i < k_side * k_side; ++i) {
       const Vec3 p = place(i);
       const Left& left = truth[static_cast<size_t>(i)];
       const double before = share * left.light_without + (1 - share) * left.sky_without;
       if (before < 0.01) continue;
       wanted += 1 - (share * left.light + (1 - share) * left.sky) / before;
-      told += 1 - (share * (1 - sampled(cast.texture(), {p.x, 0, p.z}, 0)) +
-                   std::max(sampled(cast.ambient(), {p.x, 0, p.z}, 1) - share, 0.0));
+      known += 1 - (share * (1 - sampled(cast.texture(), {p.x, 0, p.z}, 0)) +
+                    std::max(sampled(cast.ambient(), {p.x, 0, p.z}, 1) - share, 0.0));
       control += share * sampled(plain.texture(), {p.x, 0, p.z}, 0) +
                  (1 - share) * (1 - sampled(plain.ambient(), {p.x, 0, p.z}, 1));
     }
-    worst.worst(std::fabs(told / wanted - 1), std::fabs(control / wanted - 1));
+    worst.worst(std::fabs(known / wanted - 1), std::fabs(control / wanted - 1));
   }
   return worst;
 }

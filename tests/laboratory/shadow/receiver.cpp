@@ -246,7 +246,7 @@ class Receiver {
   double share_ = 0;
 };
 
-struct Way {
+struct Mode {
   const char* name;
   bool table = true, wall = true, depth = true, exact = false;
   double bias = k_bias;
@@ -263,8 +263,8 @@ class Drawn {
   }
 
   // How much something real hides of what is drawn at a point.
-  double hidden(int x, int y, Vec3 point, const Way& way) const {
-    if (!way.depth) return 0;
+  double hidden(int x, int y, Vec3 point, const Mode& mode) const {
+    if (!mode.depth) return 0;
     const double drawn = traced_.depth_of(point);
     const auto by = [&](double real) {
       const double share = real / drawn;
@@ -273,14 +273,14 @@ class Drawn {
         const double eye = plane.height(traced_.camera().eye);
         before = std::min(before, eye + (plane.height(point) - eye) * share);
       }
-      const double t = std::clamp(before / way.bias - 1, 0.0, 1.0);
+      const double t = std::clamp(before / mode.bias - 1, 0.0, 1.0);
       return t * t * (3 - 2 * t);
     };
-    if (way.mean_depth) return by(traced_.over_depth(x + 0.5, y + 0.5, way.exact, [](double real) { return real; }));
-    return traced_.over_depth(x + 0.5, y + 0.5, way.exact, by);
+    if (mode.mean_depth) return by(traced_.over_depth(x + 0.5, y + 0.5, mode.exact, [](double real) { return real; }));
+    return traced_.over_depth(x + 0.5, y + 0.5, mode.exact, by);
   }
 
-  Vec3 colour(int x, int y, const Way& way) const {
+  Vec3 colour(int x, int y, const Mode& mode) const {
     const Pixel& p = traced_.pixels()[static_cast<size_t>(y * traced_.width() + x)];
     // Where the ray meets the plane that is nearer.
     const Vec3 eye = traced_.camera().eye, d = traced_.ray(x + 0.5, y + 0.5);
@@ -288,13 +288,13 @@ class Drawn {
     const bool on_table = to_table < to_wall;
     const Vec3 place = eye + d * std::min(to_table, to_wall);
     double left = 1;
-    if (on_table ? way.table : way.wall) {
+    if (on_table ? mode.table : mode.wall) {
       left = planes_[on_table ? 0 : 1].left(place);
-      left += (1 - left) * hidden(x, y, place, way);
+      left += (1 - left) * hidden(x, y, place, mode);
     }
     const Vec3 floor = p.image * left;
     if (!p.on_chair) return floor;
-    const double away = hidden(x, y, *p.on_chair, way);
+    const double away = hidden(x, y, *p.on_chair, mode);
     return p.chair_colour * (1 - away) + floor * away;
   }
 
@@ -316,17 +316,17 @@ struct Errors {
   double picture = 0, feet = 0, shadow = 0;
 };
 
-Errors errors_of(const Traced& traced, const Drawn& drawn, const Way& way) {
+Errors errors_of(const Traced& traced, const Drawn& drawn, const Mode& mode) {
   constexpr double k_foot = 0.02, k_dark = 0.9;  // metres; of the light
   Errors e;
   size_t feet = 0, dark = 0;
   for (int y = 0; y < traced.height(); ++y)
     for (int x = 0; x < traced.width(); ++x) {
       const Pixel& p = traced.pixels()[static_cast<size_t>(y * traced.width() + x)];
-      e.picture += off(drawn.colour(x, y, way), traced.truth(p, 0), traced.truth(p, 1));
+      e.picture += off(drawn.colour(x, y, mode), traced.truth(p, 0), traced.truth(p, 1));
       const bool foot = p.chair && p.on_chair->y < k_foot, in_shadow = !p.chair && p.left[0] < k_dark;
       if ((!foot && !in_shadow) || traced.beside_bucket(x, y)) continue;
-      const double hidden = drawn.hidden(x, y, foot ? *p.on_chair : p.point, way);
+      const double hidden = drawn.hidden(x, y, foot ? *p.on_chair : p.point, mode);
       if (foot) {
         e.feet += hidden;
         ++feet;
@@ -345,22 +345,22 @@ Errors errors_of(const Traced& traced, const Drawn& drawn, const Way& way) {
 std::vector<Verdict> verify_receivers(const std::vector<RadianceMap>& rooms, ThreadPool& pool,
                                       const std::function<bool()>& go_on) {
   constexpr double k_limit = 0.010, k_hidden = 0.01;  // half of what is off without the depth, or less
-  const std::array<Way, 8> ways = {Way{"depth of a phone"},
-                                   Way{"depth of a phone, one sample", true, true, true, false, k_bias, true},
-                                   Way{"depth as it is", true, true, true, true, 0.002},
-                                   Way{"depth of a phone, no bias", true, true, true, false, 1e-6},
-                                   Way{"no depth", true, true, false},
-                                   Way{"no wall", true, false},
-                                   Way{"no table", false, true},
-                                   Way{"no shadow", false, false}};
-  std::array<Errors, ways.size()> sums = {};
+  const std::array<Mode, 8> modes = {Mode{"depth of a phone"},
+                                     Mode{"depth of a phone, one sample", true, true, true, false, k_bias, true},
+                                     Mode{"depth as it is", true, true, true, true, 0.002},
+                                     Mode{"depth of a phone, no bias", true, true, true, false, 1e-6},
+                                     Mode{"no depth", true, true, false},
+                                     Mode{"no wall", true, false},
+                                     Mode{"no table", false, true},
+                                     Mode{"no shadow", false, false}};
+  std::array<Errors, modes.size()> sums = {};
   for (const RadianceMap& room : rooms) {
     if (!go_on()) return {};
     const RadianceMap light = before_wall(room);
     const Traced traced(light, 320, 240, pool);
     const Drawn drawn(light, traced);
-    for (size_t i = 0; i < ways.size(); ++i) {
-      const Errors e = errors_of(traced, drawn, ways[i]);
+    for (size_t i = 0; i < modes.size(); ++i) {
+      const Errors e = errors_of(traced, drawn, modes[i]);
       const auto n = static_cast<double>(rooms.size());
       sums[i] = {sums[i].picture + e.picture / n, sums[i].feet + e.feet / n, sums[i].shadow + e.shadow / n};
     }
@@ -370,8 +370,8 @@ std::vector<Verdict> verify_receivers(const std::vector<RadianceMap>& rooms, Thr
     const bool within = value <= limit;
     rows.push_back({"receiver", "receiver, " + name, unit, 0, value, limit, control ? !within : within, control});
   };
-  for (size_t i = 0; i < ways.size(); ++i) {
-    const std::string name = ways[i].name;
+  for (size_t i = 0; i < modes.size(); ++i) {
+    const std::string name = modes[i].name;
     const bool noisy = name == "depth of a phone, no bias", control = i > 2;
     row(name, "rmse", sums[i].picture, k_limit, control);
     if (control && !noisy) continue;

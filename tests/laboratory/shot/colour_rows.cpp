@@ -115,7 +115,7 @@ constexpr uint64_t k_azimuth_stream = 62;
 constexpr double k_infinity = std::numeric_limits<double>::infinity();
 
 // What an app could draw.
-enum Way {
+enum Method {
   k_true,      // the true light
   k_old_rule,  // control: the true light, with the panorama below the horizon, and nothing lit by itself
   k_session,   // what a session knows whose images are exposed down to 1/4096
@@ -123,28 +123,28 @@ enum Way {
   k_session_64,  // the same, down to 1/64
   k_unbaked,     // the true light on an object that does not know what it hides from itself
   k_one_light,   // the network's
-  k_ways
+  k_methods
 };
-constexpr const char* k_way_names[k_ways] = {"true light",
-                                             "control: true light by the rule before",
-                                             "a settled session, exposures to 1/4096",
-                                             "a settled session, exposures to 1/1024",
-                                             "a settled session, exposures to 1/64",
-                                             "true light, no bake",
-                                             "one light"};
+constexpr const char* k_method_names[k_methods] = {"true light",
+                                                   "control: true light by the rule before",
+                                                   "a settled session, exposures to 1/4096",
+                                                   "a settled session, exposures to 1/1024",
+                                                   "a settled session, exposures to 1/64",
+                                                   "true light, no bake",
+                                                   "one light"};
 
 enum Region { k_chair, k_sides, k_sand, k_regions };
 constexpr const char* k_region_names[k_regions] = {"chair", "chair's sides", "sand"};
 
 // What is known when the balls are drawn; the last is a control.
-enum BallWay { k_from_table, k_from_turn, k_from_everything, k_mirrored, k_ball_ways };
-constexpr const char* k_ball_ways_names[k_ball_ways] = {"one image of a table", "a full turn, exposures to 1/64",
-                                                        "everything, exposures to 1/4096", "control: that, mirrored"};
+enum BallView { k_from_table, k_from_turn, k_from_everything, k_mirrored, k_ball_views };
+constexpr const char* k_ball_view_names[k_ball_views] = {"one image of a table", "a full turn, exposures to 1/64",
+                                                         "everything, exposures to 1/4096", "control: that, mirrored"};
 
 struct RoomColours {
   std::string place;
-  double level[k_ways][k_regions] = {}, red_over_blue[k_ways][k_regions] = {};  // |ln(composite / truth)|
-  ThreeBalls balls[k_ball_ways];
+  double level[k_methods][k_regions] = {}, red_over_blue[k_methods][k_regions] = {};  // |ln(composite / truth)|
+  ThreeBalls balls[k_ball_views];
 };
 
 struct Regions {
@@ -173,7 +173,7 @@ Vec3 mean_of(const RadianceMap& map, const std::vector<size_t>& pixels) {
   return sum * (1.0 / static_cast<double>(std::max<size_t>(1, pixels.size())));
 }
 
-double apart(double a, double b) {
+double log_ratio(double a, double b) {
   constexpr double k_black = 1e-4;
   return std::fabs(std::log(std::max(a, k_black) / std::max(b, k_black)));
 }
@@ -186,23 +186,23 @@ RoomColours colours_of(const ShotVerdictOptions& options, const ShotStage& stage
   const ShotCamera camera = resting_camera(*stage.scene.camera);
   const Regions regions = regions_of(picture, camera, options.picture);
   const RadianceMap truth = picture.truth(room, camera, options.picture);
-  const auto draw = [&](Way way, const ShotLight& light) {
+  const auto draw = [&](Method method, const ShotLight& light) {
     ShotPictureOptions drawing = options.picture;
-    drawing.lit_by_itself = way != k_old_rule;
-    const ShotPicture& drawer = way == k_unbaked ? unbaked : picture;
+    drawing.lit_by_itself = method != k_old_rule;
+    const ShotPicture& drawer = method == k_unbaked ? unbaked : picture;
     const RadianceMap drawn =
         drawer.composite(room, camera, light, stage.shadows_for(light), CastShadow::textures, drawing);
     for (int r = 0; r < k_regions; ++r) {
       const Vec3 a = mean_of(drawn, regions.pixels[r]), b = mean_of(truth, regions.pixels[r]);
-      colours.level[way][r] = apart(luminance(a), luminance(b));
-      colours.red_over_blue[way][r] = apart(a.x / std::max(a.z, 1e-6), b.x / std::max(b.z, 1e-6));
+      colours.level[method][r] = log_ratio(luminance(a), luminance(b));
+      colours.red_over_blue[method][r] = log_ratio(a.x / std::max(a.z, 1e-6), b.x / std::max(b.z, 1e-6));
     }
   };
   const Vec3 ahead = camera.forward;
   const SessionOptions session = {std::atan2(ahead.z, ahead.x), true, mix_bits(options.seed + 1000 * index), true};
-  const auto balls = [&](BallWay way, Session seen) {
-    colours.balls[way] =
-        ball_errors(room.panorama, look_around(room.panorama, seen, session), session.azimuth, way == k_mirrored);
+  const auto balls = [&](BallView view, Session seen) {
+    colours.balls[view] =
+        ball_errors(room.panorama, look_around(room.panorama, seen, session), session.azimuth, view == k_mirrored);
   };
   balls(k_from_table, Session::table);
   balls(k_from_turn, Session::full_turn_short);
@@ -239,8 +239,8 @@ std::vector<Verdict> judge(const ShotVerdictOptions& options, const std::vector<
   struct Limits {
     double level[k_regions], red_over_blue;
   };
-  const auto limits_of = [&](int way) -> Limits {
-    switch (way) {
+  const auto limits_of = [&](int method) -> Limits {
+    switch (method) {
       case k_true:
         return {{0.07, 0.13, 0.08}, 0.03};
       case k_old_rule:  // of what is not sand
@@ -251,36 +251,36 @@ std::vector<Verdict> judge(const ShotVerdictOptions& options, const std::vector<
         return {{k_infinity, k_infinity, k_infinity}, k_infinity};
     }
   };
-  for (int way = 0; way < k_ways; ++way) {
-    if (way == k_one_light && options.network.empty()) continue;
-    const Limits limits = limits_of(way);
-    const std::string name = std::string(k_way_names[way]) + ", ";
+  for (int method = 0; method < k_methods; ++method) {
+    if (method == k_one_light && options.network.empty()) continue;
+    const Limits limits = limits_of(method);
+    const std::string name = std::string(k_method_names[method]) + ", ";
     for (int r = 0; r < k_regions; ++r) {
-      const double level = over_places([&](const RoomColours& room) { return room.level[way][r]; });
+      const double level = over_places([&](const RoomColours& room) { return room.level[method][r]; });
       add("colour", name + k_region_names[r], level, limits.level[r],
-          way == k_old_rule && limits.level[r] < k_infinity);
+          method == k_old_rule && limits.level[r] < k_infinity);
     }
-    const double hue = over_places([&](const RoomColours& room) { return room.red_over_blue[way][k_chair]; });
-    add("colour", name + "chair's red over blue", hue, limits.red_over_blue, way == k_old_rule);
+    const double hue = over_places([&](const RoomColours& room) { return room.red_over_blue[method][k_chair]; });
+    add("colour", name + "chair's red over blue", hue, limits.red_over_blue, method == k_old_rule);
   }
-  for (int way = 0; way < k_ball_ways; ++way)
+  for (int view = 0; view < k_ball_views; ++view)
     for (size_t ball = 0; ball < std::size(k_ball_names); ++ball) {
       const auto mean = [&](double BallErrors::*error, int from) {
         return over_places([&](const RoomColours& room) { return room.balls[from][ball].*error; });
       };
-      const std::string name = std::string(k_ball_ways_names[way]) + ", " + k_ball_names[ball] + ", ";
+      const std::string name = std::string(k_ball_view_names[view]) + ", " + k_ball_names[ball] + ", ";
       const auto report = [&](const char* what, const char* unit, double value) {
         rows.push_back({"balls", name + what, unit, 0.0, value, k_infinity, true, false});
       };
-      const double shape = mean(&BallErrors::scale_invariant, way);
-      if (way == k_mirrored) {
+      const double shape = mean(&BallErrors::scale_invariant, view);
+      if (view == k_mirrored) {
         const double limit = mean(&BallErrors::scale_invariant, k_from_everything);
         rows.push_back({"balls", name + "si-RMSE", "of RMS", 0.0, shape, limit, shape > limit, true});
         continue;
       }
-      report("RMSE", "of RMS", mean(&BallErrors::rmse, way));
+      report("RMSE", "of RMS", mean(&BallErrors::rmse, view));
       report("si-RMSE", "of RMS", shape);
-      report("RGB angle", "degrees", mean(&BallErrors::angle_deg, way));
+      report("RGB angle", "degrees", mean(&BallErrors::angle_deg, view));
     }
   return rows;
 }
