@@ -24,11 +24,11 @@ std::vector<float> brick(int x, int y, int z) {
 
 // The largest change of any distance between the particles first..last, in radii.
 double softness(const std::vector<float>& rest, const std::vector<float>& now, size_t first, size_t last) {
-  double most = 0.0;
+  double change_max = 0.0;
   for (size_t i = first; i < last; ++i)
     for (size_t j = first; j < i; ++j)
-      most = std::max(most, std::fabs(distance(now, i, now, j) - distance(rest, i, rest, j)));
-  return most / static_cast<double>(k_radius);
+      change_max = std::max(change_max, std::fabs(distance(now, i, now, j) - distance(rest, i, rest, j)));
+  return change_max / static_cast<double>(k_radius);
 }
 
 // The limit of the softness, in radii. Float coordinates of a few tenths of a metre are rounded by 3e-8 m. That rounds
@@ -333,9 +333,9 @@ TEST(Bodies, SleepAndWakeAsAWhole) {
   ASSERT_EQ(report.sand.awake, 0u);
   const std::vector<float> rest = scene.positions();
   scene.add({-0.3f, 0.03f, 0.03f}, {4.0f, 0.0f, 0.0f});
-  uint32_t most = 0;
-  for (int frame = 0; frame < 10; ++frame) most = std::max(most, scene.frame(k_frame).sand.awake);
-  EXPECT_EQ(most, 65u);
+  uint32_t awake_max = 0;
+  for (int frame = 0; frame < 10; ++frame) awake_max = std::max(awake_max, scene.frame(k_frame).sand.awake);
+  EXPECT_EQ(awake_max, 65u);
   EXPECT_LE(softness(rest, scene.positions(), 0, 64), k_rigid);
 }
 

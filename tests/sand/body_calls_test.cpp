@@ -99,10 +99,10 @@ TEST(BodyCalls, APlacedBodyIsWhereThePoseSaysAndGoesOnFromThere) {
     const std::vector<float> p = scene.positions();
     for (size_t i = 0; i < rest.size(); i += 3)
       for (size_t k = 0; k < 3; ++k) {
-        const double way = seconds * std::array{0.5, 0.0, -0.25}[k];
+        const double displacement = seconds * std::array{0.5, 0.0, -0.25}[k];
         const size_t from = (k + 2) % 3;
         const double arm = static_cast<double>(rest[i + from]) - static_cast<double>(start.position[from]);
-        EXPECT_NEAR(p[i + k], static_cast<double>(k + 1) + arm + way, limit);
+        EXPECT_NEAR(p[i + k], static_cast<double>(k + 1) + arm + displacement, limit);
       }
   };
   expect_at(0.0, 3e-7);
@@ -169,7 +169,7 @@ TEST(BodyCalls, ADraggedBodyPushesWhatItMeets) {
     sandglass_body_pose pose = scene.scene.body_pose(0);
     pose.position[2] = 0.09f;
     pose.linear_velocity[0] = dragged ? speed : 0.0f;
-    for (float way = 0.0f; way < 0.6f; way += speed / 60.0f) {
+    for (float displacement = 0.0f; displacement < 0.6f; displacement += speed / 60.0f) {
       if (dragged) pose.position[0] += speed / 60.0f;
       accept(scene.scene.set_body(0, pose));
       EXPECT_LT(scene.frame(1.0f / 60.0f).sand.speed_max,

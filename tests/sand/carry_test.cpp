@@ -66,7 +66,7 @@ struct Bucket {
   }
 
   // The frame that ends at `time`, `step` after the last one's end.
-  sandglass_frame_report frame(float time, uint64_t budget, float step = k_step, bool told = true,
+  sandglass_frame_report frame(float time, uint64_t budget, float step = k_step, bool velocity_given = true,
                                const sandglass_plan* plan = nullptr) {
     const Place now = motion(time), before = motion(time - step);
     at = now;
@@ -74,8 +74,8 @@ struct Bucket {
       sandglass_collider& c = scene.colliders[i + 1];
       c.position[0] = boxes[i].position[0] + now.x;
       c.position[1] = boxes[i].position[1] + now.y;
-      c.linear_velocity[0] = told ? (now.x - before.x) / step : 0;
-      c.linear_velocity[1] = told ? (now.y - before.y) / step : 0;
+      c.linear_velocity[0] = velocity_given ? (now.x - before.x) / step : 0;
+      c.linear_velocity[1] = velocity_given ? (now.y - before.y) / step : 0;
     }
     return scene.frame(step, budget, plan);
   }
@@ -93,17 +93,17 @@ struct Bucket {
     return out;
   }
   float fastest() const {
-    float most = 0;
+    float speed_max = 0;
     const std::vector<float> v = scene.velocities();
-    for (size_t i = 0; i < v.size(); i += 3) most = std::max(most, std::hypot(v[i], v[i + 1], v[i + 2]));
-    return most;
+    for (size_t i = 0; i < v.size(); i += 3) speed_max = std::max(speed_max, std::hypot(v[i], v[i + 1], v[i + 2]));
+    return speed_max;
   }
   // By how far the sand beside it has gone, at most.
   float beside_went(const std::vector<float>& from) const {
-    float most = 0;
+    float farthest = 0;
     const std::vector<float> p = scene.positions();
-    for (size_t i = 3 * held; i < p.size(); ++i) most = std::max(most, std::fabs(p[i] - from[i]));
-    return most;
+    for (size_t i = 3 * held; i < p.size(); ++i) farthest = std::max(farthest, std::fabs(p[i] - from[i]));
+    return farthest;
   }
 
   sandglass::VirtualClock clock{.step_ns = 10'000};
@@ -213,18 +213,18 @@ TEST(Carry, ReplaysOnEveryInstructionSetAndGoesOnAfterARestore) {
 
 // A tab that comes back: a frame of many is one, with all budget; by velocities, and by poses alone.
 TEST(Carry, LongFramesTakeSandAlong) {
-  for (const bool told : {true, false})
+  for (const bool velocity_given : {true, false})
     for (const float gap : {0.117f, 0.25f, 0.5f, 2.0f}) {
       Bucket b(driven);
-      for (int f = 1; f <= 30; ++f) b.frame(k_step * static_cast<float>(f - 30), k_all, k_step, told);
+      for (int f = 1; f <= 30; ++f) b.frame(k_step * static_cast<float>(f - 30), k_all, k_step, velocity_given);
       float time = 0;
-      for (int f = 0; f < 20; ++f) b.frame(time += k_step, k_all, k_step, told);
-      b.frame(time += gap, k_all, gap, told);
-      if (told) {
+      for (int f = 0; f < 20; ++f) b.frame(time += k_step, k_all, k_step, velocity_given);
+      b.frame(time += gap, k_all, gap, velocity_given);
+      if (velocity_given) {
         EXPECT_EQ(b.outside(b.at), 0u) << gap;
       }
-      for (int f = 0; f < 60; ++f) b.frame(time += k_step, k_all, k_step, told);
-      EXPECT_EQ(b.outside(b.at), 0u) << gap << told;
+      for (int f = 0; f < 60; ++f) b.frame(time += k_step, k_all, k_step, velocity_given);
+      EXPECT_EQ(b.outside(b.at), 0u) << gap << velocity_given;
     }
 }
 

@@ -101,9 +101,9 @@ TEST(Gentle, ACorrectedFloorMovesSandByTheCorrection) {
           highest = std::max(highest, heap.top());
           fastest = std::max(fastest, static_cast<double>(heap.report.sand.speed_max));
         }
-        const double most = 14.0 * static_cast<double>(r * tilt), lift = static_cast<double>(std::max(up, 0.0f)) + most;
+        const double rise = 14.0 * static_cast<double>(r * tilt), lift = static_cast<double>(std::max(up, 0.0f)) + rise;
         EXPECT_LE(highest, top + lift + 0.2 * static_cast<double>(r)) << r << " m, up " << up << " m, by " << tilt;
-        EXPECT_LE(fastest, gentle(static_cast<double>(r), static_cast<double>(std::fabs(up)) + most))
+        EXPECT_LE(fastest, gentle(static_cast<double>(r), static_cast<double>(std::fabs(up)) + rise))
             << r << " m, up " << up << " m, by " << tilt;
         if (std::fabs(up) > 0.003f) {
           EXPECT_NEAR(heap.went(1), static_cast<double>(up), 0.5 * static_cast<double>(r)) << r << " " << up;
@@ -271,8 +271,8 @@ TEST(Held, AHandByPosesAlonePushes) {
     return sum;
   };
   for (const float rate : {30.0f, 60.0f, 120.0f}) {
-    const double told = moved(true, 0.003f, rate);
-    for (const float band : {0.003f, 0.0f}) EXPECT_GE(moved(false, band, rate), 0.5 * told) << rate << " Hz";
+    const double with_velocity = moved(true, 0.003f, rate);
+    for (const float band : {0.003f, 0.0f}) EXPECT_GE(moved(false, band, rate), 0.5 * with_velocity) << rate << " Hz";
   }
   EXPECT_LT(moved(false, 0.003f, 120.0f, true), 0.5 * moved(true, 0.003f, 120.0f)) << "the control";
 }
@@ -359,9 +359,9 @@ TEST(Corrected, WhatIsRefinedTakesNoSandAlong) {
       double turned = 0.0;
       const std::vector<float> p = heap.scene.positions(), &q = heap.at_rest;
       for (size_t i = 0; i < p.size(); i += 3) {
-        const float way = q[i + 2] * (p[i] - q[i]) - q[i] * (p[i + 2] - q[i + 2]);
-        turned +=
-            static_cast<double>(way / (q[i] * q[i] + q[i + 2] * q[i + 2] + 1e-4f)) / static_cast<double>(p.size() / 3);
+        const float swept = q[i + 2] * (p[i] - q[i]) - q[i] * (p[i + 2] - q[i + 2]);
+        turned += static_cast<double>(swept / (q[i] * q[i] + q[i + 2] * q[i + 2] + 1e-4f)) /
+                  static_cast<double>(p.size() / 3);
       }
       EXPECT_NEAR(turned, 0.0, 0.01) << table << " " << c.slide << " " << c.turn;
     }
@@ -429,7 +429,7 @@ TEST(Corrected, AnOutlierThrowsNothing) {
 // A tracker that is slower than the frames, told with velocities by differences, 0, 0, 0, 4 v: a ball goes through a heap.
 TEST(Held, ASlowTrackersDifferencesThrowNoMoreThanExactVelocities) {
   const auto fastest = [](float rate, int each) {
-    float most = 0.0f;
+    float speed_max = 0.0f;
     for (const float start : {-0.3f, -0.32f}) {
       Heap heap(0.01f);
       heap.scene.colliders.push_back(sandglass::sphere(start, 0.05f, 0, 0.04f));
@@ -438,10 +438,10 @@ TEST(Held, ASlowTrackersDifferencesThrowNoMoreThanExactVelocities) {
         if (f % each == 0) heap.scene.colliders[1].position[0] = start + static_cast<float>(f) / rate;
         tell_difference(&heap.scene.colliders[1], before, 1.0f / rate);
         heap.frame(1.0f / rate);
-        most = std::max(most, heap.report.sand.speed_max);
+        speed_max = std::max(speed_max, heap.report.sand.speed_max);
       }
     }
-    return most;
+    return speed_max;
   };
   const float exact = fastest(60.0f, 1);
   EXPECT_LE(fastest(120.0f, 4), 1.3f * exact);
@@ -478,7 +478,7 @@ TEST(Identity, AnIdKeepsACollidersPose) {
 // A heap that wakes creeps. It does so whichever way the carrier goes, so half of the difference of two ways is what was
 // carried.
 TEST(Carrier, WhatLiesOnASlowCarrierGoesWithIt) {
-  const auto way = [](float speed, bool turns, float sleep_after) {
+  const auto share_moved = [](float speed, bool turns, float sleep_after) {
     Heap heap(0.01f, Ground::half_space, 0.003f, sleep_after);
     const double above = 0.025;
     (turns ? heap.ground().angular_velocity[1] : heap.ground().linear_velocity[0]) = turns ? 10.0f * speed : speed;
@@ -495,7 +495,7 @@ TEST(Carrier, WhatLiesOnASlowCarrierGoesWithIt) {
     return sum / count / (150.0 * static_cast<double>(speed));
   };
   const auto carried = [&](float speed, bool turns, float sleep_after) {
-    return 0.5 * (way(speed, turns, sleep_after) + way(-speed, turns, sleep_after));
+    return 0.5 * (share_moved(speed, turns, sleep_after) + share_moved(-speed, turns, sleep_after));
   };
   for (const float speed : {0.0005f, 0.002f, 0.005f})
     for (const bool turns : {false, true}) EXPECT_NEAR(carried(speed, turns, 0.5f), 1.0, 0.1) << speed << turns;

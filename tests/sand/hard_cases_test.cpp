@@ -98,15 +98,15 @@ TEST(HardCase, AWallThatStopsUnderTimeDebtThrowsNothing) {
   const float share = static_cast<float>(simulated / (9 * static_cast<double>(k_frame)));
   EXPECT_LT(share, 0.9f);
   WallScene free;
-  float most = 0.0f;
+  float speed_max = 0.0f;
   for (int frame = 0; frame < 10; ++frame)
-    most = std::max(most, free.push(k_speed / share, k_frame * share, ~uint64_t{0} >> 1).sand.speed_max);
+    speed_max = std::max(speed_max, free.push(k_speed / share, k_frame * share, ~uint64_t{0} >> 1).sand.speed_max);
   std::printf("%.2f of the time simulated; fastest %.2f m/s, after the stop %.2f m/s; without time debt %.2f m/s\n",
               static_cast<double>(share), static_cast<double>(pushing), static_cast<double>(stopped),
-              static_cast<double>(most));
+              static_cast<double>(speed_max));
   EXPECT_GT(pushing, k_speed);
-  EXPECT_LE(pushing, most);
-  EXPECT_LE(stopped, most);
+  EXPECT_LE(pushing, speed_max);
+  EXPECT_LE(stopped, speed_max);
 }
 
 // Under a time debt a wall jumps by 50 mm and tells 1 m/s. It goes the new frame's way of 20 mm in all of the time left.

@@ -82,8 +82,8 @@ TEST(Ladder, EachLevelHasItsBudget) {
   std::vector<bool> reached(SANDGLASS_LEVEL_COUNT, false);
   double debt = 0.0;
   // With time debt there is a sweep of the grains in two frames' time.
-  const double least = cost[SANDGLASS_LEVEL_COARSER] - sweep / 2;
-  for (double budget = 1.3 * cost[0]; budget > 0.8 * least; budget *= 0.97) {
+  const double cost_min = cost[SANDGLASS_LEVEL_COARSER] - sweep / 2;
+  for (double budget = 1.3 * cost[0]; budget > 0.8 * cost_min; budget *= 0.97) {
     uint32_t best = SANDGLASS_LEVEL_COUNT, worst = 0;
     sandglass_frame_report report = {};
     for (int frame = 0; frame < 30; ++frame) {

@@ -50,8 +50,8 @@ struct Falling {
 TEST(Pause, NothingMovesAndTheDebtIsMadeUpAsIfThereHadBeenNone) {
   Falling paused(true);
   std::vector<sandglass_plan> plans;
-  double most_debt = 0.0;
-  float most_lag = 0.0f;
+  double debt_max = 0.0;
+  float lag_max = 0.0f;
   for (int frame = 0; frame < 40; ++frame) {
     const sandglass_frame_report before = paused.frame(k_frame, frame < 30 ? 1'500'000 : ~0ull >> 1);
     plans.push_back(before.plan);
@@ -71,11 +71,11 @@ TEST(Pause, NothingMovesAndTheDebtIsMadeUpAsIfThereHadBeenNone) {
       ASSERT_EQ(report.stages[SANDGLASS_STAGE_GRANULAR].units + report.stages[SANDGLASS_STAGE_REFINE].units, 0u);
       ASSERT_EQ(report.stages[SANDGLASS_STAGE_GRANULAR].denied, 0u);
     }
-    most_debt = std::max(most_debt, before.time.debt);
-    most_lag = std::max(most_lag, before.sand.grain_lag);
+    debt_max = std::max(debt_max, before.time.debt);
+    lag_max = std::max(lag_max, before.sand.grain_lag);
   }
-  EXPECT_GT(most_debt, 2.0 * static_cast<double>(k_frame)) << "nothing was owed";
-  EXPECT_GT(most_lag, 0.0f) << "no grain was behind";
+  EXPECT_GT(debt_max, 2.0 * static_cast<double>(k_frame)) << "nothing was owed";
+  EXPECT_GT(lag_max, 0.0f) << "no grain was behind";
   Falling whole(false);
   uint32_t moved = 0;
   for (const sandglass_plan& plan : plans) {

@@ -17,7 +17,7 @@ using sandglass::Rotation;
 using Colliders = std::vector<sandglass_collider>;
 
 constexpr float k_radius = 0.01f, k_pi = 3.14159265f;
-enum class Told { poses, poses_without_band, velocities, another };
+enum class Given { poses, poses_without_band, velocities, another };
 
 struct At {
   float position[3], angle;  // about z
@@ -84,21 +84,21 @@ struct Vessel {
 };
 
 // The most particles that are beyond its inner surface by more than r, after the three frames that are waited for.
-int most_outside(const Vessel& vessel, float rate, Told told, float seconds, const std::function<At(float)>& motion) {
+int outside_max(const Vessel& vessel, float rate, Given given, float seconds, const std::function<At(float)>& motion) {
   sandglass_scene_desc desc = description(200);
-  if (told == Told::poses_without_band) desc.granular.collider_band = 0.0f;
+  if (given == Given::poses_without_band) desc.granular.collider_band = 0.0f;
   GranularScene scene(desc);
   const float step = 1.0f / rate;
   scene.add(shifted(lattice(5, 4, 5, 2.05f * k_radius, k_radius), -0.041f, 0.0f, -0.041f));
   scene.colliders = vessel.at(motion(0.0f));
   until_asleep(&scene);
-  int most = 0;
+  int highest = 0;
   for (int f = 1; f <= std::lround(seconds * rate); ++f) {
     const Colliders before = scene.colliders;
     const At at = motion(static_cast<float>(f) * step);
     scene.colliders = vessel.at(at);
-    if (told == Told::velocities) add_differences(&scene.colliders, before, step);
-    for (sandglass_collider& c : scene.colliders) c.id += told == Told::another ? 10u * static_cast<uint32_t>(f) : 0u;
+    if (given == Given::velocities) add_differences(&scene.colliders, before, step);
+    for (sandglass_collider& c : scene.colliders) c.id += given == Given::another ? 10u * static_cast<uint32_t>(f) : 0u;
     scene.frame(step);
     const std::vector<float> p = scene.positions();
     const float c = std::cos(at.angle), s = std::sin(at.angle);
@@ -108,9 +108,9 @@ int most_outside(const Vessel& vessel, float rate, Told told, float seconds, con
       const float local[3] = {c * x + s * y, c * y - s * x, p[i + 2] - at.position[2]};
       outside += vessel.room(local) < -k_radius ? 1 : 0;
     }
-    most = std::max(most, outside);
+    highest = std::max(highest, outside);
   }
-  return most;
+  return highest;
 }
 
 // From rest to rest, as a hand goes, in T seconds; to 1.
@@ -160,10 +160,10 @@ TEST(PosesAlone, WhatHoldsSandKeepsIt) {
   };
   for (const Case& c : cases) {
     for (const float rate : {30.0f, 60.0f, 72.0f, 90.0f, 120.0f})
-      for (const Told told : {Told::poses, Told::velocities})
-        EXPECT_EQ(most_outside(*c.vessel, rate, told, c.seconds, c.motion), 0) << c.name << ", " << rate << " Hz";
-    EXPECT_EQ(most_outside(*c.vessel, 60.0f, Told::poses_without_band, c.seconds, c.motion), 0) << c.name;
-    EXPECT_GT(most_outside(*c.vessel, 60.0f, Told::another, c.seconds, c.motion), 10) << c.name << ": the control";
+      for (const Given given : {Given::poses, Given::velocities})
+        EXPECT_EQ(outside_max(*c.vessel, rate, given, c.seconds, c.motion), 0) << c.name << ", " << rate << " Hz";
+    EXPECT_EQ(outside_max(*c.vessel, 60.0f, Given::poses_without_band, c.seconds, c.motion), 0) << c.name;
+    EXPECT_GT(outside_max(*c.vessel, 60.0f, Given::another, c.seconds, c.motion), 10) << c.name << ": the control";
   }
 }
 
@@ -183,14 +183,14 @@ TEST(PosesAlone, TheHeldVelocityIsThatOfTheHeldWayAndNeverAhead) {
         scene.frame(step);
         before = held;
         ASSERT_TRUE(scene.scene.held_collider(1, &held));
-        const float told = scene.colliders[1].position[0];
-        EXPECT_LE(held.position[0], told + 1e-4f) << speed << " m/s, frame " << f;
+        const float given = scene.colliders[1].position[0];
+        EXPECT_LE(held.position[0], given + 1e-4f) << speed << " m/s, frame " << f;
         if (f < 2 * each + 4) continue;  // the first way of a tracker whose pace is not known may be a jump
         EXPECT_NEAR(held.position[0] - before.position[0], held.linear_velocity[0] * step, 1e-5f) << "frame " << f;
         EXPECT_LE(held.linear_velocity[0], 1.3f * speed) << "frame " << f;
         // No further behind than the band and one way of the tracker's, once what was waited for is made up.
         const float behind = 0.0031f + speed * step * static_cast<float>(each - 1);
-        EXPECT_GE(held.position[0], f > 40 ? told - behind : -1.0f) << f;
+        EXPECT_GE(held.position[0], f > 40 ? given - behind : -1.0f) << f;
       }
     }
   }

@@ -13,8 +13,8 @@ namespace sandglass::tests {
 
 namespace {
 
-constexpr uint32_t k_sand_most = 400, k_body_particles = 125, k_bodies = 3, k_emitters = 2, k_grains_each = 8;
-constexpr uint32_t k_particles_most = 700, k_colliders = 6;
+constexpr uint32_t k_sand_max = 400, k_body_particles = 125, k_bodies = 3, k_emitters = 2, k_grains_each = 8;
+constexpr uint32_t k_particles_max = 700, k_colliders = 6;
 constexpr float k_fastest = 3.0f;  // m/s, of nozzles
 constexpr double k_pi = 3.14159265358979323846;
 
@@ -53,8 +53,8 @@ void RandomScene::describe(bool replays) {
   sandglass_granular_desc& g = desc.granular;
   r_ = one_in(10) ? log_between(0.0005, 0.5) : log_between(0.004, 0.03);
   g.particle_radius = r_;
-  g.particle_capacity = k_particles_most + k_bodies * k_body_particles;
-  g.grain_capacity = one_in(3) ? 0 : k_particles_most * k_grains_each;
+  g.particle_capacity = k_particles_max + k_bodies * k_body_particles;
+  g.grain_capacity = one_in(3) ? 0 : k_particles_max * k_grains_each;
   g.boundary_capacity = 64;
   g.body_capacity = k_bodies;
   g.body_particle_capacity = k_bodies * k_body_particles;
@@ -116,8 +116,8 @@ void RandomScene::add_bodies() {
 }
 
 // A block on a lattice, tight, loose or overlapping, above everything so far.
-void RandomScene::add_sand(uint32_t most) {
-  const uint32_t side = 1 + random_.below(6), count = static_cast<uint32_t>(log_between(1, most));
+void RandomScene::add_sand(uint32_t count_max) {
+  const uint32_t side = 1 + random_.below(6), count = static_cast<uint32_t>(log_between(1, count_max));
   const float spacing = one_in(6) ? r_ * between(1.2, 2) : r_ * between(2, 2.3);
   const uint32_t each = desc.granular.grain_capacity == 0 ? 0 : random_.below(k_grains_each + 1);
   std::vector<float> particles, velocities, grains;
@@ -244,7 +244,7 @@ RandomScene::RandomScene(uint64_t number, bool replays)
   ::accept(scene.create_in(desc, block.data(), block.bytes()));
   drawn = test::GuardedBlock(sizeof(sandglass_grain) * desc.granular.grain_capacity);
   add_bodies();
-  add_sand(k_sand_most);
+  add_sand(k_sand_max);
   add_colliders();
   add_shadows();
   frames = number % 100 == 99 ? 1000 : 20 + random_.below(60);

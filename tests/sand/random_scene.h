@@ -50,7 +50,7 @@ struct RandomScene {
   bool one_in(uint32_t n) { return random_.below(n) == 0; }
   void describe(bool replays);
   void add_bodies();
-  void add_sand(uint32_t most);
+  void add_sand(uint32_t count_max);
   void add_colliders();
   void add_shadows();
   void add_light();

@@ -53,20 +53,20 @@ TEST(Sleep, AHandWakesWhatItTouchesAndNothingElse) {
   GranularScene bed = sleeping_bed(40);
   const std::vector<float> before = bed.positions();
   bed.colliders.push_back(sandglass::sphere(0.1f, 0.1f, 0.4f, 0.03f));
-  uint32_t most = 0;
+  uint32_t awake_max = 0;
   const auto move = [&](int axis, float speed, int frames) {
     for (int frame = 0; frame < frames; ++frame) {
       sandglass_collider& moving = bed.colliders.back();
       for (float& v : moving.linear_velocity) v = 0.0f;
       moving.linear_velocity[axis] = speed;
       moving.position[axis] += speed * k_frame;
-      most = std::max(most, bed.frame(k_frame).sand.awake);
+      awake_max = std::max(awake_max, bed.frame(k_frame).sand.awake);
     }
   };
   move(1, -0.1f, 20);  // down into the sand, then along
   move(0, 0.1f, 50);
-  EXPECT_GT(most, 20u);
-  EXPECT_LT(most, bed.particle_count / 4);
+  EXPECT_GT(awake_max, 20u);
+  EXPECT_LT(awake_max, bed.particle_count / 4);
   // The hand passed at z = 0.4 in the direction of x. Sand that is ten diameters to the side has not moved at all.
   const std::vector<float> after = bed.positions();
   uint32_t far = 0, pushed = 0;
@@ -118,13 +118,13 @@ TEST(Sleep, GrainsSleepOnSleepersAndWakeBesideTheHand) {
   const std::vector<sandglass_grain> before = bed.grains;
   bed.colliders.push_back(sandglass::sphere(0.4f, 0.1f, 0.4f, 0.03f));
   bed.colliders.back().linear_velocity[1] = -0.1f;
-  uint32_t most = 0;
+  uint32_t awake_max = 0;
   for (int frame = 0; frame < 17; ++frame) {
     bed.colliders.back().position[1] -= 0.1f * k_frame;
-    most = std::max(most, bed.frame(k_frame).sand.awake_grains);
+    awake_max = std::max(awake_max, bed.frame(k_frame).sand.awake_grains);
   }
-  EXPECT_GT(most, 0u);
-  EXPECT_LT(most, report.sand.grains / 3);
+  EXPECT_GT(awake_max, 0u);
+  EXPECT_LT(awake_max, report.sand.grains / 3);
   uint32_t moved = 0;
   for (size_t i = 0; i < before.size(); ++i) {
     const double dx = static_cast<double>(before[i].position[0]) - 0.4,
@@ -165,9 +165,9 @@ Fallen fall(uint32_t wide, bool loose, float sleep_after) {
     energy.push_back(0.0);
     for (const float v : scene.velocities()) energy.back() += static_cast<double>(v * v);
   }
-  const double most = *std::max_element(energy.begin(), energy.end());
+  const double energy_max = *std::max_element(energy.begin(), energy.end());
   for (size_t i = 0; i < energy.size(); ++i)
-    if (energy[i] > 0.05 * most) fallen.rest = static_cast<double>(k_frame) * static_cast<double>(i + 1);
+    if (energy[i] > 0.05 * energy_max) fallen.rest = static_cast<double>(k_frame) * static_cast<double>(i + 1);
   const std::vector<float> p = scene.positions();
   for (size_t i = 0; i < p.size(); i += 3) fallen.spread += static_cast<double>(p[i] * p[i] + p[i + 2] * p[i + 2]);
   fallen.spread = std::sqrt(fallen.spread / scene.particle_count);
