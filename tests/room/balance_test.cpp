@@ -12,7 +12,7 @@ using Colours = std::function<Colour(const Direction&)>;
 double pattern(const Direction& d) { return 0.2 + 0.08 * std::sin(5 * d.x) * std::cos(4 * d.z) + 0.05 * d.y; }
 
 // An image of what has those colours, by a camera of that balance, told or not. A grey one is taken for each channel.
-void look(MadeUpRoom* room, const Colours& colours, double azimuth, const Colour& gains, bool told, uint64_t* now) {
+void look(MadeUpRoom* room, const Colours& colours, double azimuth, const Colour& gains, bool known, uint64_t* now) {
   Photograph p;
   std::vector<uint8_t> bytes;
   for (size_t c = 0; c < 3; ++c) {
@@ -22,7 +22,7 @@ void look(MadeUpRoom* room, const Colours& colours, double azimuth, const Colour
   }
   *now += 100'000'001;
   p.image.planes[0] = bytes.data();
-  for (size_t c = 0; c < 3 && told; ++c) p.image.gains[c] = static_cast<float>(gains[c]);
+  for (size_t c = 0; c < 3 && known; ++c) p.image.gains[c] = static_cast<float>(gains[c]);
   room->show(p.image);
 }
 
@@ -36,23 +36,23 @@ double balance(const MadeUpRoom& room) {
 
 TEST(RoomBalance, WhatIsDrawnHasThePicturesBalanceAtOnceAndTheRoomKeepsItsOwn) {
   const Colours grey = [](const Direction& d) { return Colour{pattern(d), pattern(d), pattern(d)}; };
-  for (const bool told : {true, false}) {
+  for (const bool known : {true, false}) {
     MadeUpRoom room;
     uint64_t now = 1;
-    for (int i = 0; i < 36; ++i) look(&room, grey, 10 * i, {1.5, 1, 1.5}, told, &now);
+    for (int i = 0; i < 36; ++i) look(&room, grey, 10 * i, {1.5, 1, 1.5}, known, &now);
     EXPECT_NEAR(std::log(red_over_blue(room.light())), 0, 0.03);
     sandglass_room_light shown = room.light();
     // Half of the room is never seen in this balance. Where it is told, an image of which nothing is known says it, too.
     const Colour gains = {1.8, 1, 1.2};
-    for (int i = 0; i < 6; ++i) look(&room, grey, 10 * i, gains, told, &now);
+    for (int i = 0; i < 6; ++i) look(&room, grey, 10 * i, gains, known, &now);
     const sandglass_room_light light = room.light();
-    EXPECT_NEAR(std::log(red_over_blue(light) / 1.5), 0, told ? 0.02 : 0.05);
+    EXPECT_NEAR(std::log(red_over_blue(light) / 1.5), 0, known ? 0.02 : 0.05);
     // So does what is shown, in one frame; without its balance it is that of before: the control.
     sandglass_room_fade(&shown, &light, 1.0f / 60);
-    EXPECT_NEAR(std::log(red_over_blue(shown) / 1.5), 0, told ? 0.02 : 0.05);
-    EXPECT_NEAR(std::log(red_over_blue(light) / balance(room)), 0, told ? 0.02 : 0.05);
-    for (int i = 0; i < 36; ++i) look(&room, grey, 10 * i, {1.5, 1, 1.5}, told, &now);
-    EXPECT_NEAR(std::log(red_over_blue(room.light())), 0, told ? 0.02 : 0.08);
+    EXPECT_NEAR(std::log(red_over_blue(shown) / 1.5), 0, known ? 0.02 : 0.05);
+    EXPECT_NEAR(std::log(red_over_blue(light) / balance(room)), 0, known ? 0.02 : 0.05);
+    for (int i = 0; i < 36; ++i) look(&room, grey, 10 * i, {1.5, 1, 1.5}, known, &now);
+    EXPECT_NEAR(std::log(red_over_blue(room.light())), 0, known ? 0.02 : 0.08);
   }
 }
 

@@ -323,7 +323,7 @@ TEST(RoomDay, WhatIsWhiteIsNoLamp) {
 TEST(RoomDay, OfTwoEqualLampsOneStays) {
   const Direction lamps[] = {towards(60, 50), towards(240, 50)};
   int changes[2] = {};
-  for (const bool told : {false, true}) {
+  for (const bool shown_given : {false, true}) {
     MadeUpRoom room;
     sandglass_room_light shown = room.light();
     Direction last = {};
@@ -334,9 +334,9 @@ TEST(RoomDay, OfTwoEqualLampsOneStays) {
         return 0.2;
       };
       room.look(radiance, 9.0 * i, 35 + 20 * std::sin(i / 9.0), i % 3 == 0 ? 1.0 : 1.0 / 64);
-      const sandglass_room_light now = room.light(0, 0, 0, nullptr, told ? &shown : nullptr);
+      const sandglass_room_light now = room.light(0, 0, 0, nullptr, shown_given ? &shown : nullptr);
       sandglass_room_fade(&shown, &now, 0.1f);
-      if (i > 80 && angle_deg(main_of(now), last) > 20) ++changes[told ? 1 : 0];
+      if (i > 80 && angle_deg(main_of(now), last) > 20) ++changes[shown_given ? 1 : 0];
       last = main_of(now);
     }
   }

@@ -26,7 +26,7 @@ TEST(RoomFade, NothingJumpsInASession) {
   const Direction lamp = towards(120, 40);
   MadeUpRoom room;
   sandglass_room_light now = room.light(), shown = now;
-  double most_known = 0, most_shown = 0, most_level = 0;
+  double known_max = 0, shown_max = 0, level_max = 0;
   for (int frame = 0; frame < 15 * 60; ++frame) {
     const sandglass_room_light known = now, before = shown;
     if (frame % 6 == 0) {
@@ -36,19 +36,19 @@ TEST(RoomFade, NothingJumpsInASession) {
       now = room.light();
     }
     sandglass_room_fade(&shown, &now, k_frame);
-    most_known = std::max(most_known, moved(known, now));
-    most_shown = std::max(most_shown, moved(before, shown));
+    known_max = std::max(known_max, moved(known, now));
+    shown_max = std::max(shown_max, moved(before, shown));
     ASSERT_LE(moved(before, shown), k_share * 1.01) << frame;
     ASSERT_NEAR(all_shares(shown), 1.0, 1e-4);
     if (before.valid == 0) continue;
     const auto level = [](const sandglass_room_light& l) { return static_cast<double>(l.irradiance[1] * l.white); };
     const double gap = std::fabs(level(now) - level(before)), step = std::fabs(level(shown) - level(before));
     ASSERT_LE(step, k_share * 1.01 * gap + 1e-5) << frame;
-    most_level = std::max(most_level, step);
+    level_max = std::max(level_max, step);
   }
-  EXPECT_GT(most_known, 0.1);  // the control: without the fade it jumps
-  EXPECT_LT(most_shown, 0.02);
-  EXPECT_GT(most_level, 0.0);
+  EXPECT_GT(known_max, 0.1);  // the control: without the fade it jumps
+  EXPECT_LT(shown_max, 0.02);
+  EXPECT_GT(level_max, 0.0);
 }
 
 TEST(RoomFade, AnotherMainLightComesOutOnlyWhenTheOldOneIsGone) {
@@ -82,15 +82,15 @@ TEST(RoomFade, AMainLightThatMovesALittleTurns) {
   for (int turn = 0; turn < 3; ++turn) room.look_everywhere(lamp_room(towards(90, 50), 6, 60), 1.0 / 64);
   sandglass_room_light shown = room.light();
   const sandglass_room_light now = room.light(0.5f, 0, 0);
-  const double apart = angle_deg(main_of(shown), main_of(now));
-  ASSERT_GT(apart, 3.0);
-  ASSERT_LT(apart, 20.0);
-  const float least = std::min(shown.main_share, now.main_share) - 0.001f;
+  const double angle = angle_deg(main_of(shown), main_of(now));
+  ASSERT_GT(angle, 3.0);
+  ASSERT_LT(angle, 20.0);
+  const float share_min = std::min(shown.main_share, now.main_share) - 0.001f;
   for (int frame = 0; frame < 5 * 60; ++frame) {
     const Direction before = main_of(shown);
     sandglass_room_fade(&shown, &now, k_frame);
-    EXPECT_LT(angle_deg(before, main_of(shown)), 1.1 * k_share * apart);
-    EXPECT_GE(shown.main_share, least);
+    EXPECT_LT(angle_deg(before, main_of(shown)), 1.1 * k_share * angle);
+    EXPECT_GE(shown.main_share, share_min);
   }
   EXPECT_LT(angle_deg(main_of(shown), main_of(now)), 0.1);
 }

@@ -235,15 +235,15 @@ TEST(Probe, ItsFitTellsAMirroredOrTurnedCube) {
   const Radiance lit = [](Direction d) {
     return 0.3 + 0.2 * d.x + 0.12 * std::sin(3 * d.z + 1) + (d.y < 0 ? -0.05 : 0);
   };
-  for (uint32_t way = 0; way < 8; ++way) {
+  for (uint32_t variant = 0; variant < 8; ++variant) {
     const cpp::Room room = room_with_probe();
     for (int i = 0; i < 6; ++i) {
       const Photograph p = photograph(lit, 30.0 * i, 0, 1, 1 + 200'000'000ull * static_cast<uint64_t>(i));
       ASSERT_EQ(sandglass_room_set_image(room.get(), &p.image, nullptr, nullptr), SANDGLASS_OK);
     }
-    const auto wrong = [way](Direction d) {
+    const auto wrong = [variant](Direction d) {
       const double turns[4][2] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};  // cosine and sine
-      const double c = turns[way % 4][0], s = turns[way % 4][1], z = way < 4 ? d.z : -d.z;
+      const double c = turns[variant % 4][0], s = turns[variant % 4][1], z = variant < 4 ? d.z : -d.z;
       return Direction{c * d.x - s * z, d.y, c * z + s * d.x};
     };
     const Cube made = cube_of(lit, SANDGLASS_CUBE_RGB32F, 16, wrong);
@@ -253,8 +253,8 @@ TEST(Probe, ItsFitTellsAMirroredOrTurnedCube) {
     EXPECT_EQ(turn_deg, 7u);
     ASSERT_TRUE(takes(room, made.cube));
     ASSERT_EQ(sandglass_room_probe_fit(room.get(), &turn_deg, &mirrored), 1);
-    EXPECT_EQ(mirrored, way < 4 ? 0 : 1) << way;
-    EXPECT_EQ(turn_deg == 0 && mirrored == 0, way == 0) << way;
+    EXPECT_EQ(mirrored, variant < 4 ? 0 : 1) << variant;
+    EXPECT_EQ(turn_deg == 0 && mirrored == 0, variant == 0) << variant;
   }
 }
 

@@ -309,21 +309,21 @@ TEST(Renderers, AWhiteCubeInThreeKnownLights) {
                 {{-0.3, -0.1, 0.2}, towards(-120, 30), -0.15},
                 {{0, 0.4, 0.1}, towards(170, 75), 0.05}};
   for (const auto& [b, lamp, m] : lights) {
-    sandglass_harmonics told;
-    sandglass_harmonics_default(&told);
-    told.kind = SANDGLASS_HARMONICS_AMBIENT;
-    told.with_phase = 1;
+    sandglass_harmonics given;
+    sandglass_harmonics_default(&given);
+    given.kind = SANDGLASS_HARMONICS_AMBIENT;
+    given.with_phase = 1;
     const double axis[3] = {lamp.x, lamp.y, lamp.z},
                  of_polynomials[9] = {0.6, -b.y, b.z, -b.x, m, -m / 2, -m / 2, m, m / 2};
-    for (size_t i = 0; i < 27; ++i) told.sh[i] = static_cast<float>(of_polynomials[i / 3] / normalisation()[i / 3]);
+    for (size_t i = 0; i < 27; ++i) given.sh[i] = static_cast<float>(of_polynomials[i / 3] / normalisation()[i / 3]);
     for (size_t c = 0; c < 3; ++c) {
-      told.main_direction[c] = static_cast<float>(2 * axis[c]);  // of any length
-      told.main_irradiance[c] = static_cast<float>(k_lamp[c]);
+      given.main_direction[c] = static_cast<float>(2 * axis[c]);  // of any length
+      given.main_irradiance[c] = static_cast<float>(k_lamp[c]);
     }
     auto lighting = sized<sandglass_light>(), signs = lighting;
-    ASSERT_EQ(sandglass_light_of_harmonics(&told, &lighting, nullptr), SANDGLASS_OK);
-    told.with_phase = 0;
-    ASSERT_EQ(sandglass_light_of_harmonics(&told, &signs, nullptr), SANDGLASS_OK);
+    ASSERT_EQ(sandglass_light_of_harmonics(&given, &lighting, nullptr), SANDGLASS_OK);
+    given.with_phase = 0;
+    ASSERT_EQ(sandglass_light_of_harmonics(&given, &signs, nullptr), SANDGLASS_OK);
     for (const Renderer& renderer : k_renderers) {
       std::array<double, 4> worst = {};
       for (const Direction& n : k_faces)
@@ -482,15 +482,15 @@ TEST(Lighting, OfWhatIsWrongIsRefusedWithASentence) {
                                    {offsetof(sandglass_room_light, irradiance), 3},
                                    {offsetof(sandglass_room_light, sh), 27}},
                                   first, sandglass_light_of_room);
-  sandglass_harmonics told;
-  sandglass_harmonics_default(&told);
-  told.sh[0] = 1;
-  expect_checked<sandglass_light>(told, {{offsetof(sandglass_harmonics, sh), 33}}, first, sandglass_light_of_harmonics);
-  told.kind = SANDGLASS_HARMONICS_AMBIENT;
-  told.main_direction[1] = 0;
+  sandglass_harmonics desc;
+  sandglass_harmonics_default(&desc);
+  desc.sh[0] = 1;
+  expect_checked<sandglass_light>(desc, {{offsetof(sandglass_harmonics, sh), 33}}, first, sandglass_light_of_harmonics);
+  desc.kind = SANDGLASS_HARMONICS_AMBIENT;
+  desc.main_direction[1] = 0;
   auto lighting = sized<sandglass_light>();
   expect_refused("main_direction",
-                 [&](const char** why) { return sandglass_light_of_harmonics(&told, &lighting, why); });
+                 [&](const char** why) { return sandglass_light_of_harmonics(&desc, &lighting, why); });
 }
 
 // Even white light that shows white as 1 has the irradiance pi and 2 sqrt(pi) in coefficient 0. All is linear.

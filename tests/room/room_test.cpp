@@ -171,16 +171,16 @@ TEST(RoomLight, EveryTurnOfTheSensorSaysTheSame) {
 // A camera that exposes each image in another way, and does not say how: what images share tells it.
 TEST(RoomLight, FindsTheExposureWhereItIsNotTold) {
   const Radiance gradient = [](Direction d) { return 0.15 + 0.1 * d.x; };
-  MadeUpRoom told, untold;
-  told.may_teach_nothing = untold.may_teach_nothing = true;
-  told.may_teach_nothing = untold.may_teach_nothing = true;
+  MadeUpRoom known, unknown;
+  known.may_teach_nothing = unknown.may_teach_nothing = true;
+  known.may_teach_nothing = unknown.may_teach_nothing = true;
   int image = 0;
   for (int azimuth = 0; azimuth < 360; azimuth += 20, ++image) {
     const double exposure = image % 2 == 0 ? 1.0 : 2.5;
-    told.look(gradient, azimuth, 10, exposure, true);
-    untold.look(gradient, azimuth, 10, exposure, false);
+    known.look(gradient, azimuth, 10, exposure, true);
+    unknown.look(gradient, azimuth, 10, exposure, false);
   }
-  const sandglass_room_light a = told.light(), b = untold.light();
+  const sandglass_room_light a = known.light(), b = unknown.light();
   for (int i = 0; i < 64; ++i) EXPECT_NEAR(a.cells[i], b.cells[i], 0.1 * a.cells[i]);
   EXPECT_NEAR(a.irradiance[0], b.irradiance[0], 0.1 * a.irradiance[0]);
 }
@@ -190,17 +190,17 @@ TEST(RoomLight, FindsTheExposureWhereItIsNotTold) {
 TEST(RoomLight, FindsAShortExposureByTheDarkPartsOfThePicture) {
   const Direction lamp = middle_of_part(100, 17);
   const Radiance radiance = [=](Direction d) { return angle_deg(d, lamp) < 7 ? 20.0 : 0.045 + 0.02 * d.x; };
-  MadeUpRoom told, untold;
-  told.may_teach_nothing = untold.may_teach_nothing = true;
+  MadeUpRoom known, unknown;
+  known.may_teach_nothing = unknown.may_teach_nothing = true;
   for (const double exposure : {2.0, 2.0 / 64})
     for (int azimuth = 0; azimuth < 360; azimuth += 20) {
-      told.look(radiance, azimuth, 10, exposure, true);
-      untold.look(radiance, azimuth, 10, exposure, false);
+      known.look(radiance, azimuth, 10, exposure, true);
+      unknown.look(radiance, azimuth, 10, exposure, false);
     }
-  const float cell = told.light().cells[cell_at(lamp)];
+  const float cell = known.light().cells[cell_at(lamp)];
   EXPECT_GT(cell, 0.2f);
-  EXPECT_NEAR(untold.light().cells[cell_at(lamp)], cell, 0.25f * cell);
-  EXPECT_NEAR(untold.light().irradiance[0], told.light().irradiance[0], 0.25f * told.light().irradiance[0]);
+  EXPECT_NEAR(unknown.light().cells[cell_at(lamp)], cell, 0.25f * cell);
+  EXPECT_NEAR(unknown.light().irradiance[0], known.light().irradiance[0], 0.25f * known.light().irradiance[0]);
 }
 
 // Radiance is in the last image's scale: twice the exposure, twice the irradiance.
@@ -216,7 +216,7 @@ TEST(RoomLight, AnswersInTheScaleOfTheLastImage) {
 TEST(RoomLight, IsTheSameByAToneCurve) {
   static const float k_tone[] = {0, 0, 0.05f, 0.3f, 0.2f, 0.6f, 0.6f, 0.9f, 1, 1};  // light, value
   const Radiance radiance = lamp_room(towards(0, 40), 20, 0.9);
-  const auto level = [&](bool toned, bool told) {
+  const auto level = [&](bool toned, bool known) {
     MadeUpRoom room;
     for (int azimuth = 0; azimuth < 360; azimuth += 30) {
       Photograph p =
@@ -229,7 +229,7 @@ TEST(RoomLight, IsTheSameByAToneCurve) {
         const double value = static_cast<double>(at[1]) + along * static_cast<double>(at[3] - at[1]);
         if (toned) byte = static_cast<uint8_t>(std::lround(255 * value));
       }
-      if (told) {
+      if (known) {
         p.image.transfer = SANDGLASS_TRANSFER_CURVE;
         p.image.curve = k_tone;
         p.image.curve_points = 5;
