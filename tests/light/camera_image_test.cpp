@@ -320,7 +320,7 @@ TEST(CameraImage, BlocksInAnyOrderAreTheWhole) {
 TEST(CameraImage, NoBlockReadsMoreThanItMay) {
   Random random = random_stream(31, 2);
   for (int trial = 0; trial < 4000; ++trial) {
-    const auto length = [&](double least, double most) { return least * std::pow(most / least, random.uniform()); };
+    const auto length = [&](double low, double high) { return low * std::pow(high / low, random.uniform()); };
     CameraImage image;
     sandglass_camera_image_default(&image);
     image.format = static_cast<sandglass_camera_format>(random.below(5));
@@ -421,15 +421,15 @@ TEST(CameraImage, WhatIsWrongIsRefusedWithASentence) {
     i.curve = curve;
     i.curve_points = points;
   };
-  CameraImage told = good.image;
-  of_curve(told, rises, 2);
-  EXPECT_EQ(sandglass_camera_check(&told, nullptr), SANDGLASS_OK);
+  CameraImage curved = good.image;
+  of_curve(curved, rises, 2);
+  EXPECT_EQ(sandglass_camera_check(&curved, nullptr), SANDGLASS_OK);
   refused("curve", [](CameraImage& i) { i.transfer = SANDGLASS_TRANSFER_CURVE; });
   refused("curve", [](CameraImage& i) { i.curve = rises; });
   refused("curve", [](CameraImage& i) { i.curve_points = 2; });
   for (const auto& [curve, points] : {std::pair(rises, 0u), {rises, 1u}, {rises, 33u}, {falls, 2u}, {stays, 2u}}) {
-    of_curve(told, curve, points);
-    tests::expect_refused("curve", [&](const char** reason) { return sandglass_camera_check(&told, reason); });
+    of_curve(curved, curve, points);
+    tests::expect_refused("curve", [&](const char** reason) { return sandglass_camera_check(&curved, reason); });
   }
 }
 

@@ -51,9 +51,9 @@ struct FloatNetwork {
 inline FloatNetwork random_float_network(uint64_t seed) {
   constexpr double k_maps = 300;  // size of values in maps and bottlenecks
   Random random = {seed};
-  const auto numbers = [&](int count, double most) {
+  const auto numbers = [&](int count, double magnitude) {
     std::vector<float> values;
-    for (int i = 0; i < count; ++i) values.push_back(static_cast<float>(most * (2 * random.uniform() - 1)));
+    for (int i = 0; i < count; ++i) values.push_back(static_cast<float>(magnitude * (2 * random.uniform() - 1)));
     return values;
   };
   const auto clamps = [&](int channels, FloatConvolution* c) {

@@ -60,9 +60,9 @@ struct Shape {
 TEST(LightKernels, NarrowAndTransitionEqualTheOracleForEveryCountOfPixels) {
   Integers random = {1};
   for (const Shape& s : {Shape{64, 128, false}, Shape{96, 32, true}, Shape{992, 64, false}, Shape{1024, 32, true}}) {
-    constexpr int k_most = 19;
+    constexpr int k_pixels = 19;
     const host::ByteConvolution c = random_convolution(&random, s.inputs, 1, s.outputs, s.extreme);
-    const ByteMap in = random_map(&random, 2 * k_most, 2, static_cast<int>(s.inputs), s.extreme);
+    const ByteMap in = random_map(&random, 2 * k_pixels, 2, static_cast<int>(s.inputs), s.extreme);
     const ByteMap limited = clamped(in, c.low, c.high);
     const ByteMap expected_narrow = convolved(c, limited, 1, 1, nullptr);
     const ByteMap expected_transition = convolved(c, averaged(limited), 1, 1, nullptr);
@@ -70,14 +70,14 @@ TEST(LightKernels, NarrowAndTransitionEqualTheOracleForEveryCountOfPixels) {
     for (const sandglass_isa isa : int8_sets()) {
       const Int8Kernels& table = *select_int8_kernels(isa);
       Packed packed(table, c, s.inputs, s.inputs);
-      for (uint32_t count = 1; count <= k_most; ++count)
+      for (uint32_t count = 1; count <= k_pixels; ++count)
         for (const bool transition : {false, true}) {
-          Aligned<uint8_t> out(size_t{k_most} * stride);
-          std::fill_n(out.data(), k_most * stride, k_untouched);
-          const PixelRow row = {in.values.data(), s.inputs, 2 * k_most * s.inputs, count, out.data(), stride};
+          Aligned<uint8_t> out(size_t{k_pixels} * stride);
+          std::fill_n(out.data(), k_pixels * stride, k_untouched);
+          const PixelRow row = {in.values.data(), s.inputs, 2 * k_pixels * s.inputs, count, out.data(), stride};
           (transition ? table.transition : table.narrow)(&packed.convolution, &row);
           const ByteMap& expected = transition ? expected_transition : expected_narrow;
-          for (uint32_t i = 0; i < k_most * stride; ++i) {
+          for (uint32_t i = 0; i < k_pixels * stride; ++i) {
             const bool written = i / stride < count && i % stride < s.outputs;
             const int x = static_cast<int>(i / stride), o = static_cast<int>(i % stride);
             ASSERT_EQ(out.data()[i], written ? expected.at(x, 0, o) : k_untouched)

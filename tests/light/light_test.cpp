@@ -89,11 +89,11 @@ TEST(Estimator, StoredTurnedAndUprightPosesGiveOneWorld) {
     // FROM_POSE picks that of the four turns in which the world's up is nearest to up in the image.
     sandglass_camera_image unknown = image;
     unknown.turn_deg = SANDGLASS_TURN_FROM_POSE;
-    double u = right.y, v = -up.y, least = 2.0;
+    double u = right.y, v = -up.y, lowest = 2.0;
     uint32_t best = 0;
     for (uint32_t turn = 0; turn < 360; turn += 90) {
-      if (v < least) {
-        least = v;
+      if (v < lowest) {
+        lowest = v;
         best = turn;
       }
       const double was = u;

@@ -33,12 +33,12 @@ TEST(Flip, GreenAndBlueAreOneApart) {
 // distance of green and blue to the power 0.7, is 41.2760: L*a*b* of (87.735, -86.183, 83.180) and (32.297, 79.188,
 // -107.860) by CIE 1976, colour axes times L*/100, |dL| + |d(a, b)| = 203.3.
 TEST(Flip, EvenGreysFollowTheFormula) {
-  const double most = 41.2760, knee = 0.4 * most;
+  const double scale = 41.2760, knee = 0.4 * scale;
   const double lightness = 116.0 * std::cbrt(0.2) - 16.0;
   const double small = 0.95 / knee * std::pow(lightness - (116.0 * std::cbrt(0.15) - 16.0), 0.7);
   EXPECT_NEAR(flip(filled({0.2, 0.2, 0.2}), filled({0.15, 0.15, 0.15})), small, 1e-4);
   const double black_white = std::pow(100.0, 0.7);
-  EXPECT_NEAR(flip(filled({0, 0, 0}), filled({1, 1, 1})), 0.95 + 0.05 * (black_white - knee) / (most - knee), 1e-4);
+  EXPECT_NEAR(flip(filled({0, 0, 0}), filled({1, 1, 1})), 0.95 + 0.05 * (black_white - knee) / (scale - knee), 1e-4);
 }
 
 TEST(Flip, SeesWhatTheEyeSees) {

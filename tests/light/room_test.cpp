@@ -125,11 +125,11 @@ TEST(Rooms, SameSeedSameBitsOnAnyNumberOfThreads) {
     RoomRenderOptions options;
     options.width = 32;
     options.samples = 4;
-    const RoomPanorama one = trace_room(make_room(seed), options);
+    const RoomPanorama one_thread = trace_room(make_room(seed), options);
     options.threads = 3;
-    const RoomPanorama three = trace_room(make_room(seed), options);
-    EXPECT_EQ(one.radiance.rgb, three.radiance.rgb);
-    EXPECT_EQ(one.depth, three.depth);
+    const RoomPanorama three_threads = trace_room(make_room(seed), options);
+    EXPECT_EQ(one_thread.radiance.rgb, three_threads.radiance.rgb);
+    EXPECT_EQ(one_thread.depth, three_threads.depth);
   }
 }
 
