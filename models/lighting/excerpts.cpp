@@ -16,17 +16,17 @@ namespace sandglass::host {
 LightDifference median_difference(std::span<const LightValues> a, std::span<const LightValues> b) {
   std::vector<double> angles, others;
   for (size_t k = 0; k < a.size(); ++k) {
-    double dot = 0, lengths[2] = {}, most = 0;
+    double dot = 0, lengths[2] = {}, worst = 0;
     for (size_t i = 0; i < 3; ++i) {
       const double x = static_cast<double>(a[k][i]), y = static_cast<double>(b[k][i]);
       dot += x * y;
       lengths[0] += x * x;
       lengths[1] += y * y;
     }
-    for (size_t i = 3; i < a[k].size(); ++i) most = std::max(most, static_cast<double>(std::fabs(a[k][i] - b[k][i])));
+    for (size_t i = 3; i < a[k].size(); ++i) worst = std::max(worst, static_cast<double>(std::fabs(a[k][i] - b[k][i])));
     angles.push_back(std::acos(std::clamp(dot / std::sqrt(lengths[0] * lengths[1]), -1.0, 1.0)) * 180 /
                      std::numbers::pi);
-    others.push_back(most);
+    others.push_back(worst);
   }
   return {quantile(angles, 0.5), quantile(others, 0.5)};
 }

@@ -7,7 +7,7 @@ namespace sandglass::host {
 namespace {
 
 // The least length of the mean of weighted directions. Below it there is no direction.
-constexpr double k_least_concentration = 1e-3;
+constexpr double k_concentration_min = 1e-3;
 
 struct WeightedColour {
   Vec3 sum;
@@ -50,7 +50,7 @@ LightLabels labels_of(const RadianceMap& panorama, Vec3 up, double white) {
   }
   LightLabels labels = {};
   labels.concentration = bright > 0.0 ? length(direction) / bright : 0.0;
-  labels.has_direction = labels.concentration >= k_least_concentration;
+  labels.has_direction = labels.concentration >= k_concentration_min;
   labels.direction = labels.has_direction ? normalised(direction) : up;
   labels.light = light.mean();
   // If the highlight is the whole panorama and has no direction, it counts as ambient light.

@@ -12,7 +12,7 @@ namespace sandglass::host {
 
 namespace fs = std::filesystem;
 
-constexpr int k_least_warped_width = 256;
+constexpr int k_warped_width_min = 256;
 
 uint64_t hash_of_name(const std::string& name, uint64_t seed) {
   uint64_t hash = mix_bits(seed);
@@ -44,7 +44,7 @@ LitView LitPanorama::cut(View view) const {
   LitView cut;
   cut.radius = insertion_radius(depth_.values, depth_.shape.empty() ? 0 : static_cast<int>(depth_.shape[1]), view);
   // More pixels than the panorama has would not add information.
-  const int width = std::clamp(radiance_.width, k_least_warped_width, k_warped_width);
+  const int width = std::clamp(radiance_.width, k_warped_width_min, k_warped_width);
   const RadianceMap warped = warp(radiance_, view, cut.radius, width, width / 2);
   cut.labels = labels_of(warped, ViewRotation(view).to_rotated({0, 1, 0}), white_);
   cut.labels.direction = rotated_to_camera(cut.labels.direction);

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double k_pi = std::numbers::pi;
 constexpr uint64_t k_view_stream = 21;
-constexpr double k_apart = 10.0 * k_pi / 180.0;
+constexpr double k_separation = 10.0 * k_pi / 180.0;
 constexpr double k_depth_range = 10.0;  // metres
 
 }  // namespace
@@ -23,12 +23,12 @@ std::array<View, k_excerpts> choose_views(uint64_t seed) {
   for (size_t i = 0; i < views.size();) {
     const View view = {k_pi / 2.0 + k_pi / 12.0 * normal_deviate(&random), k_pi * (2.0 * random.uniform() - 0.5)};
     if (view.theta < k_pi / 3.0 || view.theta > 2.0 * k_pi / 3.0) continue;
-    bool apart = true;
+    bool separate = true;
     for (size_t j = 0; j < i; ++j) {
       const double turn = std::remainder(view.phi - views[j].phi, 2.0 * k_pi), tilt = view.theta - views[j].theta;
-      apart = apart && std::sqrt(turn * turn + tilt * tilt) >= k_apart;
+      separate = separate && std::sqrt(turn * turn + tilt * tilt) >= k_separation;
     }
-    if (apart) views[i++] = view;
+    if (separate) views[i++] = view;
   }
   return views;
 }

@@ -111,9 +111,9 @@ struct HdrReader {
       damaged("has an unknown size line (\"" + size.substr(0, 40) + "\")");
     check_shape(path, width, height);
     // Before memory is taken for pixels that the file cannot hold.
-    constexpr size_t k_least_bytes_of_run = 2, k_longest_run = 127;
+    constexpr size_t k_run_bytes_min = 2, k_longest_run = 127;
     const size_t shortest_row =
-        std::min<size_t>(4 * k_least_bytes_of_run * static_cast<size_t>(width) / k_longest_run, 12);  // 1 1 1 n twice
+        std::min<size_t>(4 * k_run_bytes_min * static_cast<size_t>(width) / k_longest_run, 12);  // 1 1 1 n twice
     if (bytes.size() - at < shortest_row * static_cast<size_t>(height)) damaged("is cut off");
     RadianceMap map(width, height);
     std::vector<uint8_t> row(4 * static_cast<size_t>(width));
@@ -242,9 +242,9 @@ static Picture evened(const Picture& picture) {
         for (int i = -k_reach; i <= k_reach; ++i) {
           const int v = std::clamp(y + j, 0, picture.height - 1), u = (x + i + picture.width) % picture.width;
           const uint8_t* other = picture.at(u, v);
-          double apart = 0.0;
-          for (int c = 0; c < 3; ++c) apart += (other[c] - middle[c]) * (other[c] - middle[c]) / 3.0;
-          const double weight = std::exp(-apart * k_alike - (i * i + j * j) * k_near);
+          double distance = 0.0;
+          for (int c = 0; c < 3; ++c) distance += (other[c] - middle[c]) * (other[c] - middle[c]) / 3.0;
+          const double weight = std::exp(-distance * k_alike - (i * i + j * j) * k_near);
           all += weight;
           for (int c = 0; c < 3; ++c) sum[c] += weight * other[c];
         }

@@ -194,8 +194,8 @@ struct Tracer {
     if (e.kind == Emitter::Kind::sphere) {
       const Vec3 to = e.centre - p;
       const double d2 = dot(to, to), d = std::sqrt(d2),
-                   least = std::sqrt(std::max(0.0, 1.0 - e.radius * e.radius / d2));
-      const double cosine = 1.0 - a * (1.0 - least), sine = std::sqrt(std::max(0.0, 1.0 - cosine * cosine));
+                   cosine_min = std::sqrt(std::max(0.0, 1.0 - e.radius * e.radius / d2));
+      const double cosine = 1.0 - a * (1.0 - cosine_min), sine = std::sqrt(std::max(0.0, 1.0 - cosine * cosine));
       const double angle = 2.0 * k_pi * b;
       const Vec3 direction = Frame(to * (1.0 / d)).world(sine * std::cos(angle), sine * std::sin(angle), cosine);
       const double inside = std::max(0.0, e.radius * e.radius - d2 * sine * sine);

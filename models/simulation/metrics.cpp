@@ -158,11 +158,11 @@ Evenness measure_evenness(std::span<const float> particles, std::span<const floa
   even.variation = std::sqrt(squares / sum - sum / even.spheres);
   std::vector<double> nearest;
   for (uint32_t i = 0; i < grains.size() / 3; ++i) {
-    double least = probe * probe;
+    double squared_min = probe * probe;
     within(fine, grains, from_floats(&grains[3 * size_t{i}]), probe, [&](uint32_t j, double squared) {
-      if (j != i) least = std::min(least, squared);
+      if (j != i) squared_min = std::min(squared_min, squared);
     });
-    nearest.push_back(std::sqrt(least) / grain_radius);
+    nearest.push_back(std::sqrt(squared_min) / grain_radius);
   }
   even.nearest = quantile(nearest, 0.5);
   return even;

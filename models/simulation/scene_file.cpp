@@ -148,13 +148,13 @@ ColliderTrack read_collider(StrictReader& reader) {
 
 LightTrack read_light(StrictReader reader) {
   LightTrack light;
-  const auto angles = [&](const char* key, double least, double most, double(&out)[2]) {
+  const auto angles = [&](const char* key, double lowest, double highest, double(&out)[2]) {
     if (!reader.has(key)) return;
     if (!reader.is_array(key)) {
-      out[0] = out[1] = reader.number(key, 0, least, most);
+      out[0] = out[1] = reader.number(key, 0, lowest, highest);
       return;
     }
-    const std::vector<double> ends = reader.numbers(key, 2, least, most);
+    const std::vector<double> ends = reader.numbers(key, 2, lowest, highest);
     out[0] = ends[0];
     out[1] = ends[1];
   };
