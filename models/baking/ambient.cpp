@@ -12,14 +12,14 @@
 namespace sandglass::host {
 namespace {
 
-constexpr double k_least_share = 1e-6;  // of the greatest singular value: below it is rounding
+constexpr double k_share_min = 1e-6;  // of the greatest singular value: below it is rounding
 
 // Towards the rim of the square what is hidden fades to nothing, because nothing is drawn beyond. It takes the last
 // 1/32 of the texels, where an object hides one to four steps of a byte.
 double fade(uint32_t u, uint32_t v, uint32_t side) {
   const uint32_t to_rim = std::min({u, v, side - 1 - u, side - 1 - v});
-  const double way = std::min(1.0, to_rim / (side / 32.0));
-  return way * way * (3 - 2 * way);
+  const double share = std::min(1.0, to_rim / (side / 32.0));
+  return share * share * (3 - 2 * share);
 }
 
 }  // namespace
@@ -40,7 +40,7 @@ AmbientPart find_components(const FloorSquare& square, std::span<const float> hi
   const Eigen::JacobiSVD<Eigen::MatrixXd> parts(all, Eigen::ComputeThinU);
   Eigen::Index count = 1;
   while (count < static_cast<Eigen::Index>(components) &&
-         parts.singularValues()[count] > k_least_share * parts.singularValues()[0])
+         parts.singularValues()[count] > k_share_min * parts.singularValues()[0])
     ++count;
 
   Eigen::MatrixXd bytes(size, count);

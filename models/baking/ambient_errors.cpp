@@ -18,7 +18,7 @@ namespace sandglass::host {
 namespace {
 
 constexpr uint32_t k_rays = 128, k_stride = 2;  // rays of one truth; one texel in 2 x 2 is looked at
-constexpr uint32_t k_ways = 4;                  // errors of a room
+constexpr uint32_t k_methods = 4;               // errors of a room
 constexpr uint64_t k_first_room = 770'000;
 constexpr int k_room_width = 128, k_room_paths = 8;
 constexpr double k_lift = 1e-5;  // of the object's size: a face in the plane hides nothing
@@ -67,11 +67,11 @@ AmbientErrors measure_ambient(const AmbientCandidate& candidate, std::span<const
                        static_cast<uint32_t>(pick % k_stride));
     }
   const std::vector<uint8_t> occlusion = texture_of(candidate.file, uniform_cells());
-  std::vector<std::array<double, k_ways>> errors(rooms.size());
+  std::vector<std::array<double, k_methods>> errors(rooms.size());
   pool.run(static_cast<uint32_t>(rooms.size()), [&](uint32_t r) {
     const Environment& room = rooms[r];
     const std::vector<uint8_t> shipped = texture_of(candidate.file, room.cells());
-    std::array<double, k_ways> squares = {};
+    std::array<double, k_methods> squares = {};
     for (const uint32_t texel : texels) {
       double truth[2], left = 1;
       for (uint32_t half = 0; half < 2; ++half)
@@ -79,17 +79,17 @@ AmbientErrors measure_ambient(const AmbientCandidate& candidate, std::span<const
                                   random_mix(seed ^ (uint64_t{2} * r + half + 1)) + uint64_t{texel} * 1'000'003);
       for (uint32_t i = 0; i < SANDGLASS_LIGHT_CELLS; ++i)
         left -= room.cells()[i] * static_cast<double>(candidate.hidden[size_t{texel} * SANDGLASS_LIGHT_CELLS + i]);
-      const double results[k_ways] = {1, occlusion[texel] / 255.0, left, shipped[texel] / 255.0};
-      for (uint32_t way = 0; way < k_ways; ++way) squares[way] += (results[way] - truth[0]) * (results[way] - truth[1]);
+      const double results[k_methods] = {1, occlusion[texel] / 255.0, left, shipped[texel] / 255.0};
+      for (uint32_t m = 0; m < k_methods; ++m) squares[m] += (results[m] - truth[0]) * (results[m] - truth[1]);
     }
-    for (uint32_t way = 0; way < k_ways; ++way)
-      errors[r][way] = std::sqrt(std::max(0.0, squares[way] / static_cast<double>(texels.size())));
+    for (uint32_t m = 0; m < k_methods; ++m)
+      errors[r][m] = std::sqrt(std::max(0.0, squares[m] / static_cast<double>(texels.size())));
   });
   AmbientErrors mean;
   mean.rooms = static_cast<uint32_t>(rooms.size());
-  double* const means[k_ways] = {&mean.none, &mean.occlusion, &mean.cells, &mean.shipped};
+  double* const means[k_methods] = {&mean.none, &mean.occlusion, &mean.cells, &mean.shipped};
   for (const auto& of_room : errors)
-    for (uint32_t way = 0; way < k_ways; ++way) *means[way] += of_room[way] / static_cast<double>(rooms.size());
+    for (uint32_t m = 0; m < k_methods; ++m) *means[m] += of_room[m] / static_cast<double>(rooms.size());
   return mean;
 }
 

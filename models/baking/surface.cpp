@@ -105,7 +105,7 @@ void drop_buried(std::vector<SurfacePoint>* points, std::vector<float>* transfer
 }
 
 SurfacePart round_surface(const std::vector<SurfacePoint>& points, const std::vector<float>& transfer) {
-  constexpr double k_most = 65535;
+  constexpr double k_position_max = 65535;
   SurfacePart part;
   part.vertices = static_cast<uint32_t>(points.size());
   if (points.empty()) return part;
@@ -115,11 +115,11 @@ SurfacePart round_surface(const std::vector<SurfacePoint>& points, const std::ve
     high = {std::max(high.x, p.position.x), std::max(high.y, p.position.y), std::max(high.z, p.position.z)};
   }
   part.low = low;
-  part.step = std::max({high.x - low.x, high.y - low.y, high.z - low.z}) / k_most;
+  part.step = std::max({high.x - low.x, high.y - low.y, high.z - low.z}) / k_position_max;
   for (const SurfacePoint& p : points) {
     const Vec3 place = (p.position - low) * (1 / part.step);
     for (const double x : {place.x, place.y, place.z})
-      part.positions.push_back(static_cast<uint16_t>(std::clamp(std::nearbyint(x), 0.0, k_most)));
+      part.positions.push_back(static_cast<uint16_t>(std::clamp(std::nearbyint(x), 0.0, k_position_max)));
     for (const double x : {p.normal.x, p.normal.y, p.normal.z})
       part.normals.push_back(static_cast<int8_t>(std::nearbyint(127 * x)));
   }

@@ -67,9 +67,9 @@ struct Validator {
     evaluate_texels(network, light, k_size, uv.data(), count, results[0].data());
     const sandglass_texture refined = adaptive->texture(light);
     const std::vector<float> textures[2] = {transparency(full->texture(light).bytes), transparency(refined.bytes)};
-    for (uint32_t way = 0; way < 2; ++way)
+    for (uint32_t method = 0; method < 2; ++method)
       for (uint32_t i = 0; i < count; ++i)
-        results[1 + way].push_back(textures[way][size_t{uv[2 * i + 1]} * k_size + uv[2 * i]]);
+        results[1 + method].push_back(textures[method][size_t{uv[2 * i + 1]} * k_size + uv[2 * i]]);
 
     LightError error;
     const auto mean_square = [&](const std::vector<float>& a, const std::vector<float>& b) {
@@ -77,11 +77,11 @@ struct Validator {
       for (uint32_t i = 0; i < count; ++i) sum += std::pow(static_cast<double>(a[i] - b[i]), 2);
       return sum / count;
     };
-    for (uint32_t way = 0; way < 3; ++way) {
-      error.against_truth[way] = mean_square(results[way], truth);
+    for (uint32_t method = 0; method < 3; ++method) {
+      error.against_truth[method] = mean_square(results[method], truth);
       if (!whole) continue;
-      error.ssim[way] = structural_similarity(results[way], truth, k_size);
-      error.block[way] = largest_block(results[way], truth);
+      error.ssim[method] = structural_similarity(results[method], truth, k_size);
+      error.block[method] = largest_block(results[method], truth);
     }
     error.int8_to_float = mean_square(results[1], results[0]);
     error.adaptive_to_float = mean_square(results[2], results[0]);
@@ -145,18 +145,18 @@ bool validate(const LightGeometry& geometry, const ShadowCaster& caster, const F
   }
   *result = {};
   result->lights = lights;
-  ShadowError* ways[3] = {&result->network_float, &result->network_int8, &result->network_adaptive};
-  for (uint32_t way = 0; way < 3; ++way) {
+  ShadowError* methods[3] = {&result->network_float, &result->network_int8, &result->network_adaptive};
+  for (uint32_t method = 0; method < 3; ++method) {
     double square = 0;
     for (uint32_t i = 0; i < lights; ++i) {
-      const double rmse = std::sqrt(errors[i].against_truth[way]);
-      square += errors[i].against_truth[way];
-      ways[way]->rmse += rmse / lights;
-      ways[way]->rmse_max = std::max(ways[way]->rmse_max, rmse);
-      ways[way]->ssim += errors[i].ssim[way];
-      ways[way]->block = std::max(ways[way]->block, errors[i].block[way]);
+      const double rmse = std::sqrt(errors[i].against_truth[method]);
+      square += errors[i].against_truth[method];
+      methods[method]->rmse += rmse / lights;
+      methods[method]->rmse_max = std::max(methods[method]->rmse_max, rmse);
+      methods[method]->ssim += errors[i].ssim[method];
+      methods[method]->block = std::max(methods[method]->block, errors[i].block[method]);
     }
-    ways[way]->psnr = -10 * std::log10(std::max(square / lights, 1e-12));
+    methods[method]->psnr = -10 * std::log10(std::max(square / lights, 1e-12));
   }
   for (uint32_t i = 0; i < lights; ++i) {
     result->int8_to_float += std::sqrt(errors[i].int8_to_float) / lights;
@@ -164,7 +164,7 @@ bool validate(const LightGeometry& geometry, const ShadowCaster& caster, const F
     result->evaluated += errors[i].evaluated / lights;
     result->whole += i % every == 0 ? 1 : 0;
   }
-  for (ShadowError* way : ways) way->ssim /= result->whole;
+  for (ShadowError* method : methods) method->ssim /= result->whole;
   return true;
 }
 

@@ -35,8 +35,8 @@ class Cells {
            k = next_[static_cast<size_t>(k)]) {
         const float* ball = &balls[4 * static_cast<size_t>(k)];
         const Vec3 off = from_floats(ball) - p;
-        const double least = k_nearest * (r + static_cast<double>(ball[3]));
-        if (dot(off, off) < least * least) return false;
+        const double distance_min = k_nearest * (r + static_cast<double>(ball[3]));
+        if (dot(off, off) < distance_min * distance_min) return false;
       }
     return true;
   }
@@ -69,8 +69,8 @@ Vec3 albedo(Random* random) {
   while (m < 3 && kind > static_cast<double>(kit::k_beach[m].share))
     kind -= static_cast<double>(kit::k_beach[m++].share);
   const Vec3 colour = from_floats(kit::k_beach[m].albedo) * (0.8 + 0.4 * random->uniform());
-  constexpr double k_most = 0.97;
-  return {std::min(colour.x, k_most), std::min(colour.y, k_most), std::min(colour.z, k_most)};
+  constexpr double k_albedo_max = 0.97;
+  return {std::min(colour.x, k_albedo_max), std::min(colour.y, k_albedo_max), std::min(colour.z, k_albedo_max)};
 }
 
 Made packed(const SandShape& shape) {

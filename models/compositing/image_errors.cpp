@@ -133,12 +133,12 @@ Plane sensitivity_filtered(const Plane& plane, int width, int height, const Sens
     for (const double w : f.weight) total += w;
     return total * total;
   };
-  const Filter one = part(s.width);
-  if (s.height2 == 0.0) return filtered(plane, width, height, normalised_sum(one), normalised_sum(one));
-  const Filter two = part(s.width2);
-  const double a = s.height * k_pi / s.width * sum(one), b = s.height2 * k_pi / s.width2 * sum(two);
-  Plane first = filtered(plane, width, height, normalised_sum(one), normalised_sum(one));
-  const Plane second = filtered(plane, width, height, normalised_sum(two), normalised_sum(two));
+  const Filter filter = part(s.width);
+  if (s.height2 == 0.0) return filtered(plane, width, height, normalised_sum(filter), normalised_sum(filter));
+  const Filter filter2 = part(s.width2);
+  const double a = s.height * k_pi / s.width * sum(filter), b = s.height2 * k_pi / s.width2 * sum(filter2);
+  Plane first = filtered(plane, width, height, normalised_sum(filter), normalised_sum(filter));
+  const Plane second = filtered(plane, width, height, normalised_sum(filter2), normalised_sum(filter2));
   for (size_t i = 0; i < first.size(); ++i) first[i] = (a * first[i] + b * second[i]) / (a + b);
   return first;
 }
@@ -230,15 +230,15 @@ double structural_similarity(const RadianceMap& truth, const RadianceMap& pictur
 
 std::vector<double> flip_map(const RadianceMap& truth, const RadianceMap& picture, double pixels_per_degree) {
   constexpr double k_colour_exponent = 0.7, k_feature_exponent = 0.5, k_knee = 0.4, k_knee_error = 0.95;
-  const double most = std::pow(hyab(hunt_lab({0, 1, 0}), hunt_lab({0, 0, 1})), k_colour_exponent);
+  const double full = std::pow(hyab(hunt_lab({0, 1, 0}), hunt_lab({0, 0, 1})), k_colour_exponent);
   const std::vector<Vec3> seen = seen_colours(truth, pixels_per_degree),
                           other = seen_colours(picture, pixels_per_degree);
   const Features a = features_of(truth, pixels_per_degree), b = features_of(picture, pixels_per_degree);
   std::vector<double> errors(seen.size());
   for (size_t i = 0; i < errors.size(); ++i) {
-    const double difference = std::pow(hyab(seen[i], other[i]), k_colour_exponent), knee = k_knee * most;
+    const double difference = std::pow(hyab(seen[i], other[i]), k_colour_exponent), knee = k_knee * full;
     const double colour = difference < knee ? k_knee_error / knee * difference
-                                            : k_knee_error + (difference - knee) / (most - knee) * (1.0 - k_knee_error);
+                                            : k_knee_error + (difference - knee) / (full - knee) * (1.0 - k_knee_error);
     const double change = std::max(std::fabs(a.edge[i] - b.edge[i]), std::fabs(a.point[i] - b.point[i]));
     const double feature = std::pow(change / std::numbers::sqrt2, k_feature_exponent);
     errors[i] = std::pow(std::clamp(colour, 0.0, 1.0), 1.0 - std::clamp(feature, 0.0, 1.0));

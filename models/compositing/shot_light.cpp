@@ -11,7 +11,7 @@ namespace sandglass::host {
 
 namespace {
 
-constexpr double k_least_cosine = 0.1;  // a lower light would have to be brighter than any is
+constexpr double k_cosine_min = 0.1;  // a lower light would have to be brighter than any is
 
 std::array<double, k_harmonics> harmonics_at(Vec3 d) {
   const double v[3] = {d.x, d.y, d.z};
@@ -110,7 +110,7 @@ ShotLight one_light(Vec3 towards, double share, Vec3 irradiance) {
   light.main_share = static_cast<float>(share);
   const std::array<double, k_harmonics> y = harmonics_at(d);
   for (uint32_t j = 0; j < k_harmonics; ++j) {
-    const double direct = share / std::max(d.y, k_least_cosine) * y[j];
+    const double direct = share / std::max(d.y, k_cosine_min) * y[j];
     const double even = j == 0 ? (1.0 - share) * 4.0 * k_harmonic_factors[0] : 0.0;
     to_floats(irradiance * (direct + even), light.sh + 3 * j);
   }
