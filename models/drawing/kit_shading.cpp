@@ -252,10 +252,10 @@ std::optional<KitShading::Grain> KitShading::grain(const sandglass_skin_loose& p
   Loose& loose = state_->loose;
   loose.flies = flies ? 1.0f : 0.0f;
   const float* p = particle.position;
-  const float* way = particle.vector;
+  const float* v = particle.vector;
   double corners[3][2];
   for (uint32_t k = 0; k < 3; ++k) {
-    loose.loose_grain(4 * which + k, {p[0], p[1], p[2], particle.weight}, {way[0], way[1], way[2]}, particle.number);
+    loose.loose_grain(4 * which + k, {p[0], p[1], p[2], particle.weight}, {v[0], v[1], v[2]}, particle.number);
     const vec4 at = loose.grain_position;
     if (at.z > 0.0f) return std::nullopt;  // behind the eye: it is not there
     const double per_pixel = static_cast<double>(loose.pixels) / static_cast<double>(at.w);
@@ -280,10 +280,10 @@ std::optional<KitShading::Grain> KitShading::grain(const sandglass_skin_loose& p
 }
 
 uint32_t KitShading::grains(bool flies, double away) const {
-  const float most = flies ? Loose::k_lines : Loose::k_points;
-  const float least = flies ? Loose::k_line_pixels : Loose::k_point_pixels;
+  const float limit = flies ? Loose::k_lines : Loose::k_points;
+  const float pixels = flies ? Loose::k_line_pixels : Loose::k_point_pixels;
   const float wide = 2.0f * k_block_side / 28.0f * state_->loose.pixels / std::max(static_cast<float>(away), 0.02f);
-  return static_cast<uint32_t>(std::ceil(std::clamp(most * wide * wide / (least * least), 1.0f, most)));
+  return static_cast<uint32_t>(std::ceil(std::clamp(limit * wide * wide / (pixels * pixels), 1.0f, limit)));
 }
 
 std::optional<Vec3> KitShading::grain_at(const Grain& grain, double along, double across) {

@@ -122,19 +122,19 @@ bool hit_capsule(double radius, double half, Vec3 o, Vec3 d, SurfaceHit* hit) {
 // wall behind the free space.
 bool hit_field(const sandglass_field* field, Vec3 o, Vec3 d, SurfaceHit* hit) {
   constexpr int k_steps = 96;
-  constexpr double k_least = 5e-4;  // in diagonals of the box
+  constexpr double k_distance_min = 5e-4;  // in diagonals of the box
   float low[3], high[3];
   const bool container = sandglass_field_bounds(field, low, high) == SANDGLASS_SOLID_OUTSIDE;
   const Vec3 middle = {0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), 0.5 * (low[2] + high[2])};
   const Vec3 half = {0.5 * (high[0] - low[0]), 0.5 * (high[1] - low[1]), 0.5 * (high[2] - low[2])};
-  const double least = k_least * 2.0 * length(half);
+  const double distance_min = k_distance_min * 2.0 * length(half);
   SurfaceHit entry = *hit;
   double t = 0.0;
   const Vec3 from = o - middle;
   const bool within = std::fabs(from.x) < half.x && std::fabs(from.y) < half.y && std::fabs(from.z) < half.z;
   if (!within) {
     if (!hit_box(half, from, d, &entry)) return false;
-    t = entry.distance + least;
+    t = entry.distance + distance_min;
   }
   bool free = !container;
   for (int step = 0; step < k_steps && t < hit->distance; ++step) {
@@ -143,8 +143,8 @@ bool hit_field(const sandglass_field* field, Vec3 o, Vec3 d, SurfaceHit* hit) {
     float point[3], normal[3];
     to_floats(p, point);
     const double distance = static_cast<double>(sandglass_field_distance(field, point, normal));
-    if (!free && distance > 2.0 * least) free = true;
-    if (free && distance < least) {
+    if (!free && distance > 2.0 * distance_min) free = true;
+    if (free && distance < distance_min) {
       // A hit counts only against the normal. So a ray that begins on the surface leaves it and goes on to the far
       // side.
       if (dot(from_floats(normal), d) < 0.0) {
@@ -152,7 +152,7 @@ bool hit_field(const sandglass_field* field, Vec3 o, Vec3 d, SurfaceHit* hit) {
         return true;
       }
     }
-    t += std::max(0.95 * std::fabs(distance), 2.0 * least);
+    t += std::max(0.95 * std::fabs(distance), 2.0 * distance_min);
   }
   return false;
 }
@@ -398,7 +398,7 @@ void Bounds::add(Vec3 p) {
   high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
 }
 
-void Bounds::add_most(std::span<const float> xyz) {
+void Bounds::add_inner(std::span<const float> xyz) {
   constexpr double k_outermost = 0.01;
   std::vector<float> along;
   double ends[3][2] = {};

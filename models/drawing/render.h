@@ -20,7 +20,7 @@ struct Bounds {
   bool empty() const { return low.x > high.x; }
   void add(Vec3 p);
   // Adds all points except the outermost 1 % on either side of each axis. Stray points would shrink the picture.
-  void add_most(std::span<const float> xyz);
+  void add_inner(std::span<const float> xyz);
 };
 
 // A camera that looks down at the boxes from the front right and is near enough that all of them fit into the picture

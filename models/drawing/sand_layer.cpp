@@ -44,8 +44,8 @@ struct SandLayer::Band {
   // that is nearer, and then the radiance that `shade` gives for the middle of the pixel.
   template <class Covers, class Shade>
   void draw(double left, double right, double above, double below, const Covers& covers, const Shade& shade) {
-    const auto within = [](double v, int least, int most) {
-      return static_cast<int>(std::clamp(v, static_cast<double>(least), static_cast<double>(most)));
+    const auto within = [](double v, int lowest, int highest) {
+      return static_cast<int>(std::clamp(v, static_cast<double>(lowest), static_cast<double>(highest)));
     };
     const int n = layer.size_.samples, x0 = within(left, 0, layer.size_.width),
               x1 = within(right + 1, 0, layer.size_.width), y0 = within(above, top, bottom),
@@ -53,8 +53,8 @@ struct SandLayer::Band {
     for (int y = y0; y < y1; ++y)
       for (int x = x0; x < x1; ++x) {
         Sample* samples = const_cast<Sample*>(&layer.at(x, y, 0));
-        constexpr int k_most = 64;
-        double depths[k_most];
+        constexpr int k_samples_max = 64;
+        double depths[k_samples_max];
         bool covered = false;
         for (int i = 0; i < n * n; ++i) {
           const double sx = x + (i % n + 0.5) / n, sy = y + (i / n + 0.5) / n;

@@ -100,12 +100,12 @@ void require_writable(const std::string& path) {
 }
 
 void require_space(const std::string& path) {
-  constexpr uintmax_t k_least = 1 << 20;
+  constexpr uintmax_t k_free_min = 1 << 20;
   std::error_code error;
   fs::path folder = fs::absolute(behind_links(path), error).parent_path();
   while (!fs::exists(folder, error) && folder.has_relative_path()) folder = folder.parent_path();
   const fs::space_info disk = fs::space(folder, error);
-  if (!error && disk.available < k_least)
+  if (!error && disk.available < k_free_min)
     throw cannot("write", path, "the disk has less than 1 MiB left", "Make room, or name another");
 }
 

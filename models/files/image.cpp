@@ -92,15 +92,15 @@ void set_pixel(Picture* picture, int x, int y, Colour colour) {
 
 uint8_t srgb_byte(double linear) {
   // The least value of each byte above 0: a search among them costs a fifth of the power.
-  static const std::array<double, 255> k_least = [] {
-    std::array<double, 255> least;
-    for (size_t i = 0; i < least.size(); ++i) {
+  static const std::array<double, 255> k_minima = [] {
+    std::array<double, 255> minima;
+    for (size_t i = 0; i < minima.size(); ++i) {
       const double encoded = (static_cast<double>(i) + 0.5) / 255.0;
-      least[i] = encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
+      minima[i] = encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
     }
-    return least;
+    return minima;
   }();
-  return static_cast<uint8_t>(std::upper_bound(k_least.begin(), k_least.end(), linear) - k_least.begin());
+  return static_cast<uint8_t>(std::upper_bound(k_minima.begin(), k_minima.end(), linear) - k_minima.begin());
 }
 
 double srgb_of(double linear) {
@@ -222,11 +222,11 @@ static void fill_palette(const PictureHead& head, std::string* file) {
 // exchanged and colours multiplied by their alpha, unless stb is asked to look. `deep`: with 16 bits a number.
 static void* decoded(const PictureHead& head, bool deep, std::string* content, int* width, int* height) {
   constexpr uint64_t k_attempts = 16, k_pixels = 1u << 27;  // of all attempts but the first: as many as one picture has
-  const uint64_t pixels_of_one = uint64_t{head.width} * head.height;
+  const uint64_t pixels_of_frame = uint64_t{head.width} * head.height;
   constexpr std::string_view k_markers = "\xC4\xD9\xDA\xDB\xDD\xFE";  // tables, end, scan, tables, interval, comment
   stbi_convert_iphone_png_to_rgb(1);
   stbi_set_unpremultiply_on_load(1);
-  for (uint64_t attempt = 0; attempt < k_attempts && attempt * pixels_of_one <= k_pixels; ++attempt) {
+  for (uint64_t attempt = 0; attempt < k_attempts && attempt * pixels_of_frame <= k_pixels; ++attempt) {
     int channels = 0;
     stbi__context context;
     stbi__start_mem(&context, reinterpret_cast<const uint8_t*>(content->data()), static_cast<int>(content->size()));

@@ -57,7 +57,7 @@ Matrix to_xyz(const Primaries& p) {
 
 // Leaves the matrix as it is where the primaries make no sense.
 void set_primaries(const Primaries& primaries, PictureColour* colour) {
-  constexpr double k_most = 10.0;  // of any that a person sees: 2.1
+  constexpr double k_entry_max = 10.0;  // of any that a person sees: 2.1
   if (primaries == k_bt709) return;
   const Matrix from = to_xyz(primaries), to = inverse(to_xyz(k_bt709));
   Matrix m = {};
@@ -67,7 +67,7 @@ void set_primaries(const Primaries& primaries, PictureColour* colour) {
     const double white = m[3 * row] + m[3 * row + 1] + m[3 * row + 2];
     for (size_t column = 0; column < 3; ++column) m[3 * row + column] /= white;
   }
-  if (std::all_of(m.begin(), m.end(), [](double x) { return std::fabs(x) < k_most; })) colour->to_bt709 = m;
+  if (std::all_of(m.begin(), m.end(), [](double x) { return std::fabs(x) < k_entry_max; })) colour->to_bt709 = m;
 }
 
 // Codes of ITU-T H.273: primaries, transfer, matrix, and whether black is 0.
@@ -195,9 +195,9 @@ PictureColour picture_colour(const PictureHead& head, std::string_view icc) {
     colour.curve = Curve::power;
     colour.exponent = 1e5 / gamma;
   }
-  if (Primaries told; head.chromaticities.size() == 4 * told.size()) {
-    for (size_t i = 0; i < told.size(); ++i) told[i] = number(head.chromaticities, 4 * i, 4) / 1e5;
-    set_primaries(told, &colour);
+  if (Primaries given; head.chromaticities.size() == 4 * given.size()) {
+    for (size_t i = 0; i < given.size(); ++i) given[i] = number(head.chromaticities, 4 * i, 4) / 1e5;
+    set_primaries(given, &colour);
   }
   return colour;
 }

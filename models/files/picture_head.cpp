@@ -81,12 +81,12 @@ struct Jpeg {
 // Tables, each of a byte, the numbers of codes of 1 to 16 bits, and the codes. A table that begins within the segment may
 // end behind it: stb reads on, and reads 0 behind the end of the file.
 void read_tables(std::string_view file, size_t segment, Jpeg* jpeg) {
-  constexpr size_t k_lengths = 16, k_most_codes = 256;
+  constexpr size_t k_lengths = 16, k_codes_max = 256;
   const Bytes b = {file};
   for (size_t at = 0; at < segment;) {
     size_t codes = 0;
     for (size_t i = 1; i <= k_lengths; ++i) codes += b.number(at + i, 1);
-    if (codes > k_most_codes) return jpeg->damaged("a table of codes is too long");
+    if (codes > k_codes_max) return jpeg->damaged("a table of codes is too long");
     const uint32_t name = b.number(at, 1);  // its class and its number
     if (name >> 4 <= 1 && (name & 15) <= 3) jpeg->tables |= 1u << ((name >> 4) * 4 + (name & 3));
     at += 1 + k_lengths + codes;

@@ -44,8 +44,8 @@ struct CellGrid {
 template <class Visit>
 void within(const CellGrid& grid, std::span<const float> xyz, Vec3 p, double reach, Visit visit) {
   grid.near(p, reach, [&](uint32_t i) {
-    const Vec3 apart = from_floats(&xyz[3 * size_t{i}]) - p;
-    const double squared = dot(apart, apart);
+    const Vec3 offset = from_floats(&xyz[3 * size_t{i}]) - p;
+    const double squared = dot(offset, offset);
     if (squared < reach * reach) visit(i, squared);
   });
 }

@@ -74,7 +74,7 @@ struct Packing {
     return {across(to.x - from.x, size.x), across(to.y - from.y, size.y), across(to.z - from.z, size.z)};
   }
   // Grains that overlap push each other away.
-  void push_apart() {
+  void separate() {
     sort();
     for (size_t i = 0; i < grains.size(); ++i)
       near(grains[i].middle, [&](int k) {
@@ -117,7 +117,7 @@ inline Packing packed_grains(const Mineral* minerals, Vec size) {
     }
     packing.grains.push_back(grain);
   }
-  for (int i = 0; i < k_rounds; ++i) packing.push_apart();
+  for (int i = 0; i < k_rounds; ++i) packing.separate();
   packing.sort();
   return packing;
 }
@@ -129,12 +129,12 @@ using Level = std::vector<Texel>;
 inline Texel looked_up(Packing& packing, Vec at) {
   const Grain* nearest = nullptr;
   Vec normal{};
-  float least = 9;
+  float gap_min = 9;
   packing.near(at, [&](int i) {
     const Grain& grain = packing.grains[static_cast<size_t>(i)];
     const Vec from = packing.between(grain.middle, at);
     const float length = std::sqrt(dot(from, from));
-    if (0.8f * length - grain.radius > least) return;
+    if (0.8f * length - grain.radius > gap_min) return;
     float far = 0.8f * length;
     Vec facing{from.x / length, from.y / length, from.z / length};
     for (const Vec& face : grain.faces)
@@ -142,15 +142,15 @@ inline Texel looked_up(Packing& packing, Vec at) {
         far = d;
         facing = face;
       }
-    if (far - grain.radius >= least) return;
-    least = far - grain.radius;
+    if (far - grain.radius >= gap_min) return;
+    gap_min = far - grain.radius;
     nearest = &grain;
     normal = {0.35f * from.x / length + facing.x, 0.35f * from.y / length + facing.y,
               0.35f * from.z / length + facing.z};
   });
   if (nearest == nullptr) nearest = packing.grains.data();  // far from all: between grains
   const float scale = 0.5f / std::sqrt(std::max(dot(normal, normal), 1e-12f));
-  const float deep = std::clamp(0.5f - least / nearest->radius * 1.1f, 0.0f, 1.0f);
+  const float deep = std::clamp(0.5f - gap_min / nearest->radius * 1.1f, 0.0f, 1.0f);
   return {nearest->albedo[0],      nearest->albedo[1],      nearest->albedo[2],      deep,
           0.5f + scale * normal.x, 0.5f + scale * normal.y, 0.5f + scale * normal.z, nearest->lot};
 }

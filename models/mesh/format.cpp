@@ -30,8 +30,8 @@ std::string offered_formats() {
   return list_of(names, "or");
 }
 
-std::string ends_after(size_t there, size_t told, const char* what) {
-  return "ends after " + std::to_string(there) + " of " + std::to_string(told) + " " + what +
+std::string ends_after(size_t there, size_t given, const char* what) {
+  return "ends after " + std::to_string(there) + " of " + std::to_string(given) + " " + what +
          ". Copy or export it again.";
 }
 

@@ -36,11 +36,11 @@ Mesh make_trefoil(float size, float tube, uint32_t along, uint32_t around) {
   Mesh mesh;
   for (uint32_t i = 0; i < along; ++i) {
     const double t = static_cast<double>(i) / along;
-    const SinCos one = sin_cos_turns(t), two = sin_cos_turns(2 * t), three = sin_cos_turns(3 * t);
+    const SinCos at_t = sin_cos_turns(t), at_2t = sin_cos_turns(2 * t), at_3t = sin_cos_turns(3 * t);
     const double scale = static_cast<double>(size) / 3;
-    const Vec3 centre = {(one.sin + 2 * two.sin) * scale, (one.cos - 2 * two.cos) * scale, -three.sin * scale};
-    const Vec3 first = {one.cos + 4 * two.cos, -one.sin + 4 * two.sin, -3 * three.cos};
-    const Vec3 second = {-one.sin - 8 * two.sin, -one.cos + 8 * two.cos, 9 * three.sin};
+    const Vec3 centre = {(at_t.sin + 2 * at_2t.sin) * scale, (at_t.cos - 2 * at_2t.cos) * scale, -at_3t.sin * scale};
+    const Vec3 first = {at_t.cos + 4 * at_2t.cos, -at_t.sin + 4 * at_2t.sin, -3 * at_3t.cos};
+    const Vec3 second = {-at_t.sin - 8 * at_2t.sin, -at_t.cos + 8 * at_2t.cos, 9 * at_3t.sin};
     // Frenet's frame. The knot has curvature everywhere, so the frame exists and closes.
     const Vec3 tangent = unit(first), binormal = unit(cross(first, second)), normal = cross(binormal, tangent);
     for (uint32_t j = 0; j < around; ++j) {

@@ -17,8 +17,8 @@ struct MeshoptView {
 };
 // Whether so many bytes can be those items.
 inline bool could_be_unpacked(size_t bytes, const MeshoptView& view) {
-  constexpr size_t k_most_of_a_byte = 256;  // more than any of the codecs makes of one
-  return view.count * view.stride / k_most_of_a_byte <= bytes;
+  constexpr size_t k_growth_max = 256;  // more than any of the codecs makes of one
+  return view.count * view.stride / k_growth_max <= bytes;
 }
 // False for data that are damaged.
 bool unpack_meshopt(std::string_view packed, const MeshoptView& view, std::string* bytes);

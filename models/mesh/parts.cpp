@@ -62,7 +62,7 @@ std::vector<Part> parts_of(const Mesh& mesh, MeshReport* report) {
   struct Side {
     uint64_t edge;
     uint32_t triangle;
-    int way;
+    int direction;
   };
   std::vector<Side> sides;
   sides.reserve(mesh.indices.size());
@@ -74,18 +74,18 @@ std::vector<Part> parts_of(const Mesh& mesh, MeshReport* report) {
   std::sort(sides.begin(), sides.end(), [](const Side& x, const Side& y) { return x.edge < y.edge; });
   std::vector<uint32_t> unequal;  // a triangle of each edge that is not run along as often one way as the other
   for (size_t i = 0, end = 0; i < sides.size(); i = end) {
-    int ways = 0;
+    int sum = 0;
     for (end = i; end < sides.size() && sides[end].edge == sides[i].edge; ++end) {
-      ways += sides[end].way;
+      sum += sides[end].direction;
       const uint32_t a = first_of(sides[i].triangle), b = first_of(sides[end].triangle);
       above[std::max(a, b)] = std::min(a, b);
     }
-    if (ways != 0) unequal.push_back(sides[i].triangle);
+    if (sum != 0) unequal.push_back(sides[i].triangle);
     report->boundary_edges += end - i == 1;
     report->non_manifold_edges += end - i > 2;
-    report->inconsistent_edges += end - i == 2 && ways != 0;
+    report->inconsistent_edges += end - i == 2 && sum != 0;
     report->odd_edges += (end - i) % 2;
-    report->unbalanced_edges += ways != 0;
+    report->unbalanced_edges += sum != 0;
   }
   std::vector<Part> parts;
   std::vector<size_t> number(count);

@@ -38,11 +38,11 @@ std::vector<Flat> flattened(const std::vector<uint32_t>& corners, const std::vec
 }  // namespace
 
 void add_polygon(const std::vector<uint32_t>& corners, FileMesh* mesh) {
-  constexpr size_t k_most_corners = 512;  // the time grows with their cube at worst
+  constexpr size_t k_corners_max = 512;  // the time grows with their cube at worst
   const auto add = [mesh](uint32_t a, uint32_t b, uint32_t c) { mesh->indices.insert(mesh->indices.end(), {a, b, c}); };
   std::vector<uint32_t> left = corners;
   std::vector<Flat> at;
-  if (corners.size() > 3 && corners.size() <= k_most_corners) at = flattened(corners, mesh->vertices);
+  if (corners.size() > 3 && corners.size() <= k_corners_max) at = flattened(corners, mesh->vertices);
   while (left.size() > 3 && !at.empty()) {
     const size_t n = left.size();
     size_t ear = n;

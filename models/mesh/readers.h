@@ -68,6 +68,6 @@ MeshResult finished_mesh(FileMesh file, const MeshUnits& units, const std::strin
 void add_polygon(const std::vector<uint32_t>& corners, FileMesh* mesh);
 
 // "ends after 6 of 12 faces. Copy or export it again."
-std::string ends_after(size_t there, size_t told, const char* what);
+std::string ends_after(size_t there, size_t given, const char* what);
 
 }  // namespace sandglass::host

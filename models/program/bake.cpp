@@ -67,9 +67,9 @@ std::string measurements(const BakeReport& r, const BakeSettings& settings) {
     all.push_back({"bake", name, metric, unit, "", value, settings.threads, {}});
   };
   const Validation& v = r.validation;
-  const std::pair<const char*, const ShadowError*> ways[] = {
+  const std::pair<const char*, const ShadowError*> networks[] = {
       {"f32", &v.network_float}, {"int8", &v.network_int8}, {"int8_adaptive", &v.network_adaptive}};
-  for (const auto& [name, error] : ways) {
+  for (const auto& [name, error] : networks) {
     keep(name, "rmse", "1", error->rmse);
     keep(name, "rmse_max", "1", error->rmse_max);
     keep(name, "psnr", "dB", error->psnr);

@@ -28,9 +28,9 @@ constexpr double k_no_limit_ms = 1e6;
 // The governor keeps some of a budget free, so that the last work unit and the output fit.
 constexpr double k_used_of_a_budget = 0.9;
 
-// Instructions a frame. Most: what all frames but one in a thousand need at most, or all where they are too few to tell.
+// Instructions a frame. Max: what all frames but one in a thousand need at most, or all where they are too few to tell.
 struct LevelCost {
-  double mean = 0.0, most = 0.0;
+  double mean = 0.0, max = 0.0;
 };
 
 }  // namespace
@@ -48,14 +48,14 @@ static int run(const BudgetOptions& options) {
   std::string scene;
   uint32_t particles = 0, grains = 0;
   size_t frames = 0;
-  bool told = false;
+  bool has_p999 = false;
   for (uint32_t level = 0; level < SANDGLASS_LEVEL_COUNT && !interrupted(); ++level) {
     Run run(run_options, level);
     run.execute();
     const Distribution elapsed = summarise(run.report().frames).elapsed;
     const double per_ms = counted.ghz * 1e6 * counted.middle_ipc();
     levels.push_back({elapsed.mean * per_ms, elapsed.p999.value_or(elapsed.max) * per_ms});
-    told = elapsed.p999.has_value();
+    has_p999 = elapsed.p999.has_value();
     guessed = run.phone()->guessed();
     scene = run.report().scene;
     frames = run.report().frames.size();
@@ -71,22 +71,22 @@ static int run(const BudgetOptions& options) {
   std::printf(
       "Estimated from counted NEON instructions, not measured. Times are for a stated range of instructions a "
       "cycle.\n");
-  std::printf("\n%-32s %21s", "quality level", told ? "M instructions, 99.9 %" : "M instructions, most");
+  std::printf("\n%-32s %21s", "quality level", has_p999 ? "M instructions, 99.9 %" : "M instructions, most");
   for (const PhoneCore& core : phone_cores()) std::printf("  %16s", core.name);
   std::printf("\n");
   for (uint32_t level = 0; level < levels.size(); ++level) {
-    std::printf("%-32s %10.1f %11.1f", level_text(level).c_str(), levels[level].mean * 1e-6, levels[level].most * 1e-6);
+    std::printf("%-32s %10.1f %11.1f", level_text(level).c_str(), levels[level].mean * 1e-6, levels[level].max * 1e-6);
     for (const PhoneCore& core : phone_cores()) {
       char cell[48];
       std::snprintf(cell, sizeof cell, "%.1f to %.1f ms",
-                    core.ms(levels[level].most, core.ipc_high) / k_used_of_a_budget,
-                    core.ms(levels[level].most, core.ipc_low) / k_used_of_a_budget);
+                    core.ms(levels[level].max, core.ipc_high) / k_used_of_a_budget,
+                    core.ms(levels[level].max, core.ipc_low) / k_used_of_a_budget);
       std::printf("  %16s", cell);
     }
     std::printf("\n");
   }
   std::printf("\nA budget in which %s do all their work, with a tenth that the governor keeps free.\n",
-              told ? "99.9 % of the frames" : "all of these frames");
+              has_p999 ? "99.9 % of the frames" : "all of these frames");
   for (const PhoneCore& core : phone_cores())
     std::printf("%s: %.1f GHz, %.1f to %.1f instructions a cycle; %s\n", core.name, core.ghz, core.ipc_low,
                 core.ipc_high, core.why);

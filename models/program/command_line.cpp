@@ -186,7 +186,7 @@ void check_outputs(const Command& command) {
   const auto paths_of = [](const CommandOption& option) {
     std::vector<std::string> paths;
     if (option.rule.holds != nullptr) return paths;
-    if (const auto* one = std::get_if<std::string*>(&option.target)) paths = {**one};
+    if (const auto* path = std::get_if<std::string*>(&option.target)) paths = {**path};
     if (const auto* several = std::get_if<std::vector<std::string>*>(&option.target)) paths = **several;
     std::erase(paths, "");
     return paths;
@@ -235,9 +235,9 @@ void declare(const Command& command, const char* group, CLI::App* above, int* ex
   CLI::App* declared = above->add_subcommand(command.name, help)->group(group);
   for (const CommandOption& option : command.options) declare(option, declared);
   for (const CommandOption& option : command.options) {
-    CLI::Option* one = declared->get_option(CLI::detail::split(option.names, ',')[0]);
-    if (option.needs != nullptr) one->needs(declared->get_option(option.needs));
-    if (option.excludes != nullptr) one->excludes(declared->get_option(option.excludes));
+    CLI::Option* added = declared->get_option(CLI::detail::split(option.names, ',')[0]);
+    if (option.needs != nullptr) added->needs(declared->get_option(option.needs));
+    if (option.excludes != nullptr) added->excludes(declared->get_option(option.excludes));
   }
   for (const Command& suite : command.suites) declare(suite, "Suites", declared, exit_code);
   if (!command.suites.empty()) declared->require_subcommand(1);

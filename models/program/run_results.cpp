@@ -29,8 +29,8 @@ void write_reports(const std::string& folder, const RunReport& report) {
 }  // namespace
 
 uint32_t Run::drawing_threads() const {
-  constexpr uint32_t k_at_most = 8;
-  return std::min(std::max(1u, std::thread::hardware_concurrency()), k_at_most);
+  constexpr uint32_t k_threads_max = 8;
+  return std::min(std::max(1u, std::thread::hardware_concurrency()), k_threads_max);
 }
 
 void Run::finish(uint64_t hash) {

@@ -175,7 +175,7 @@ PicturePaths draw_pictures(const PictureSet& set, const std::vector<Snapshot>& s
   SceneView view;
   std::vector<Bounds> boxes;
   for (const Snapshot& snapshot : snapshots) {
-    boxes.emplace_back().add_most(snapshot.particles);
+    boxes.emplace_back().add_inner(snapshot.particles);
     if (boxes.back().empty()) continue;
     view.bounds.add(boxes.back().low);
     view.bounds.add(boxes.back().high);

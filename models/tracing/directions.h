@@ -26,10 +26,10 @@ inline Vec3 cosine_direction(Vec3 normal, double a, double b) {
   return Frame(normal).world(r * std::cos(angle), r * std::sin(angle), std::sqrt(std::max(0.0, 1.0 - a)));
 }
 
-// A direction in the cap about `middle`, uniform in solid angle. `least` is the cosine of the cap's rim; a and b are
-// random numbers in 0..1.
-inline Vec3 cap_direction(Vec3 middle, double least, double a, double b) {
-  const double cosine = 1.0 - a * (1.0 - least), sine = std::sqrt(std::max(0.0, 1.0 - cosine * cosine));
+// A direction in the cap about `middle`, uniform in solid angle. `cosine_min` is that of the cap's rim; a and b
+// are random numbers in 0..1.
+inline Vec3 cap_direction(Vec3 middle, double cosine_min, double a, double b) {
+  const double cosine = 1.0 - a * (1.0 - cosine_min), sine = std::sqrt(std::max(0.0, 1.0 - cosine * cosine));
   const double angle = 2.0 * std::numbers::pi * b;
   return Frame(middle).world(sine * std::cos(angle), sine * std::sin(angle), cosine);
 }

@@ -112,7 +112,7 @@ void for_all(size_t count, uint32_t threads, const std::string& what, const std:
     return failure != nullptr;
   };
   ThreadPool(threads).run(static_cast<uint32_t>(count), [&](uint32_t i) {
-    const OneOfSeveral one;
+    const OneOfSeveral counted;
     if (interrupted() || failed()) return;
     try {
       task(i);

@@ -86,18 +86,18 @@ class GltfFile {
   }
   static const Json* find(const Json& in, const char* extension, const char* key) {
     const Json* all = find(in, "extensions");
-    const Json* one = all != nullptr ? find(*all, extension) : nullptr;
-    return one == nullptr || key == nullptr ? one : find(*one, key);
+    const Json* object = all != nullptr ? find(*all, extension) : nullptr;
+    return object == nullptr || key == nullptr ? object : find(*object, key);
   }
   static size_t size_of(const Json* list) { return list != nullptr && list->is_array() ? list->size() : 0; }
 
   // A whole number; what is left out keeps its value.
   template <class Number>
-  bool whole(const Json& in, const char* key, Number* value, double most = 4294967295.0) {
+  bool whole(const Json& in, const char* key, Number* value, double highest = 4294967295.0) {
     const Json* found = find(in, key);
     if (found == nullptr) return true;
     const double number = found->is_number() ? found->get<double>() : -1.0;
-    if (!(number >= 0.0 && number <= most && number == std::floor(number)))
+    if (!(number >= 0.0 && number <= highest && number == std::floor(number)))
       return fail(std::string("has a \"") + key + "\" that is no whole number in its range");
     *value = static_cast<Number>(number);
     return true;
@@ -132,14 +132,14 @@ class GltfFile {
     constexpr uint32_t k_magic = 0x46546c67, k_json = 0x4e4f534a, k_binary = 0x004e4942;
     if (number(0) != k_magic) return parse(file);
     if (number(4) != 2) return fail("is of glTF version " + std::to_string(number(4)), "Export it as glTF 2.0");
-    const uint32_t told = number(8);
-    if (told > file.size())
-      return fail("ends after " + std::to_string(file.size()) + " of " + std::to_string(told) + " bytes",
+    const uint32_t given = number(8);
+    if (given > file.size())
+      return fail("ends after " + std::to_string(file.size()) + " of " + std::to_string(given) + " bytes",
                   "Copy or export it again");
     bool has_description = false;
-    for (size_t at = 12; at + 8 <= told;) {
+    for (size_t at = 12; at + 8 <= given;) {
       const uint32_t length = number(at), kind = number(at + 4);
-      if (length > told - at - 8) return fail("ends within a chunk", "Copy or export it again");
+      if (length > given - at - 8) return fail("ends within a chunk", "Copy or export it again");
       const std::string_view chunk = file.substr(at + 8, length);
       if (kind == k_json && !has_description) {
         has_description = true;
@@ -256,8 +256,8 @@ class GltfFile {
     bool is_good() const { return (code >= 5120 && code <= 5123) || code == 5125 || code == 5126; }
     // A whole number that stands for a share of the most.
     double share(double value) const {
-      constexpr double k_most[4] = {127, 255, 32767, 65535};
-      return code <= 5123 ? std::max(value / k_most[code - 5120], -1.0) : value;
+      constexpr double k_whole_max[4] = {127, 255, 32767, 65535};
+      return code <= 5123 ? std::max(value / k_whole_max[code - 5120], -1.0) : value;
     }
     double read(const char* at) const {
       const auto as = [at](auto value) {
@@ -282,8 +282,8 @@ class GltfFile {
   };
 
   static bool is_normalised(const Json& accessor) {
-    const Json* told = find(accessor, "normalized");
-    return told != nullptr && told->is_boolean() && told->get<bool>();
+    const Json* normalised = find(accessor, "normalized");
+    return normalised != nullptr && normalised->is_boolean() && normalised->get<bool>();
   }
 
   // `count` items of `parts` numbers each.

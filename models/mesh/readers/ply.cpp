@@ -57,9 +57,9 @@ class Ply {
       if ((is_face || is_strip) && !has_vertices && element.count > 0)
         return "has faces before its vertices. Export it again.";
       has_vertices = has_vertices || is_vertex;
-      const size_t least = least_bytes(element);
-      if (element.count > k_items_of_file || (least > 0 && element.count > (file_.size() - at_) / least))
-        return ends_after(least > 0 ? (file_.size() - at_) / least : 0, element.count,
+      const size_t bytes_min = row_bytes_min(element);
+      if (element.count > k_items_of_file || (bytes_min > 0 && element.count > (file_.size() - at_) / bytes_min))
+        return ends_after(bytes_min > 0 ? (file_.size() - at_) / bytes_min : 0, element.count,
                           is_vertex ? "vertices"
                           : is_face ? "faces"
                                     : "rows");
@@ -134,7 +134,7 @@ class Ply {
     return has_format ? "" : "says no format. Export it again.";
   }
   // That one row takes; text has a digit and a space for each value.
-  size_t least_bytes(const Element& element) const {
+  size_t row_bytes_min(const Element& element) const {
     size_t bytes = 0;
     for (const Property& p : element.properties)
       bytes += is_text_ ? 2 : bytes_of(p.count_type != 0 ? p.count_type : p.type);

@@ -12,7 +12,7 @@ namespace {
 
 constexpr size_t k_header = 84, k_facet = 50;  // bytes
 
-uint32_t told_facets(std::string_view file) {
+uint32_t given_facets(std::string_view file) {
   uint32_t count = 0;
   if (file.size() >= k_header) std::memcpy(&count, file.data() + k_header - 4, sizeof count);
   return count;
@@ -66,34 +66,34 @@ std::string read_text(std::string_view file, FileMesh* mesh) {
 }
 
 std::string read_binary(std::string_view file, FileMesh* mesh) {
-  const size_t told = told_facets(file), there = (file.size() - k_header) / k_facet;
-  if (there < told) return ends_after(there, told, "triangles");
-  if (told > k_items_of_file / 3) return "has more than 11 million triangles. Simplify it.";
-  for (size_t t = 0; t < told; ++t)
+  const size_t given = given_facets(file), there = (file.size() - k_header) / k_facet;
+  if (there < given) return ends_after(there, given, "triangles");
+  if (given > k_items_of_file / 3) return "has more than 11 million triangles. Simplify it.";
+  for (size_t t = 0; t < given; ++t)
     for (size_t k = 0; k < 9; ++k) {
       float place;
       std::memcpy(&place, file.data() + k_header + k_facet * t + 12 + 4 * k, sizeof place);
       mesh->vertices.push_back(static_cast<double>(place));
       if (k % 3 == 0) mesh->indices.push_back(static_cast<uint32_t>(3 * t + k / 3));
     }
-  if (file.size() > k_header + k_facet * told)
-    mesh->left_out["bytes behind the last triangle"] = file.size() - k_header - k_facet * told;
+  if (file.size() > k_header + k_facet * given)
+    mesh->left_out["bytes behind the last triangle"] = file.size() - k_header - k_facet * given;
   return "";
 }
 
 bool is_text_stl(std::string_view file) {
   const size_t first = file.find_first_not_of(" \t\r\n");
-  const bool fits = file.size() >= k_header && file.size() == k_header + k_facet * uint64_t{told_facets(file)};
+  const bool fits = file.size() >= k_header && file.size() == k_header + k_facet * uint64_t{given_facets(file)};
   const bool has_zeros = file.substr(0, 4096).find('\0') != std::string_view::npos;
   return first != std::string_view::npos && is_word(file.substr(first, 5), "solid") && !fits && !has_zeros;
 }
 
 // Binary files may begin with "solid" too: their size tells, or a byte that no text has.
 Likeness likeness(std::string_view file, std::string_view) {
-  const size_t told = told_facets(file);
+  const size_t given = given_facets(file);
   const bool has_zeros = file.substr(0, 4096).find('\0') != std::string_view::npos;
   if (is_text_stl(file)) return Likeness::sure;
-  return has_zeros && told > 0 && file.size() >= k_header + k_facet && file.size() / k_facet / 4 <= told
+  return has_zeros && given > 0 && file.size() >= k_header + k_facet && file.size() / k_facet / 4 <= given
              ? Likeness::some
              : Likeness::none;
 }
