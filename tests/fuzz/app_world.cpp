@@ -72,11 +72,11 @@ struct Watch {
 
   // Whether it touches a surface that is steeper than a friction of 0.16 holds it on, 9 degrees.
   bool is_on_slope(Vec3 p) const {
-    const double way = 0.01 * w.r;
+    const double step = 0.01 * w.r;
     for (const Solid& s : w.solids) {
       const double d = s.distance(p);
-      const Vec3 n = {s.distance(p + Vec3{way, 0, 0}) - d, s.distance(p + Vec3{0, way, 0}) - d,
-                      s.distance(p + Vec3{0, 0, way}) - d};
+      const Vec3 n = {s.distance(p + Vec3{step, 0, 0}) - d, s.distance(p + Vec3{0, step, 0}) - d,
+                      s.distance(p + Vec3{0, 0, step}) - d};
       if (d < w.r + k_band && -dot(n, w.gravity) < 0.988 * length(n) * length(w.gravity)) return true;
     }
     return false;
@@ -248,8 +248,8 @@ struct Watch {
 
 void run(World* w) {
   Watch watch = {*w, {}, 0, 1.0, {}};
-  const double most_frames = 2 * k_moving * w->rate;  // in slow motion fewer seconds pass
-  while (w->simulated < k_moving && w->frames < most_frames) {
+  const double frames_max = 2 * k_moving * w->rate;  // in slow motion fewer seconds pass
+  while (w->simulated < k_moving && w->frames < frames_max) {
     w->act();
     if (w->begins_anew) watch.begin();
     watch.check(w->move_on());

@@ -37,11 +37,11 @@ inline Pose turned(Vec3 by) { return {{}, host::rotation_by(by)}; }
 enum Ground : uint8_t { k_plane, k_table, k_table_over_floor, k_room, k_case, k_grounds };
 
 // One bit each.
-enum Plane { jumps = 1, tilts = 2, grows = 4, travels = 8, told = 16, belt = 32, lost = 64, twice = 128 };
+enum Plane { jumps = 1, tilts = 2, grows = 4, travels = 8, velocity_given = 16, belt = 32, lost = 64, twice = 128 };
 enum HandBits {
-  one = 1,
-  two = 2,
-  hands_told = 4,
+  first_hand = 1,
+  second_hand = 2,
+  hand_velocity_given = 4,
   spins = 8,
   flickers = 16,
   not_a_number = 32,
@@ -79,9 +79,9 @@ struct Solid {
     if (shape == SANDGLASS_SHAPE_CAPSULE)
       return length(Vec3{x.x, std::fmax(std::fabs(x.y) - size.y, 0.0), x.z}) - size.x;
     x = Vec3{std::fabs(x.x), std::fabs(x.y), std::fabs(x.z)} - size;
-    const double most = std::fmax(x.x, std::fmax(x.y, x.z));
-    if (shape == SANDGLASS_SHAPE_FIELD) return -most;
-    return most < 0 ? most : length(Vec3{std::fmax(x.x, 0.0), std::fmax(x.y, 0.0), std::fmax(x.z, 0.0)});
+    const double deepest = std::fmax(x.x, std::fmax(x.y, x.z));
+    if (shape == SANDGLASS_SHAPE_FIELD) return -deepest;
+    return deepest < 0 ? deepest : length(Vec3{std::fmax(x.x, 0.0), std::fmax(x.y, 0.0), std::fmax(x.z, 0.0)});
   }
 };
 
@@ -149,8 +149,8 @@ struct World {
     if ((set.plane & twice) != 0 && kind <= k_table && one_in(100)) second_plane = !second_plane;
     if (set.gravity < 128 || !one_in(2)) return;
     // An open heap is tilted by 2 degrees and shaken by a sensor's noise, a closed one turned.
-    const double most = closed ? (set.gravity - 127) / 128.0 * 3.0 : 0.035;
-    set_gravity(turned(normalised(Vec3{axis.x, 0, axis.z}) * (most * std::sin(simulated)))
+    const double tilt_max = closed ? (set.gravity - 127) / 128.0 * 3.0 : 0.035;
+    set_gravity(turned(normalised(Vec3{axis.x, 0, axis.z}) * (tilt_max * std::sin(simulated)))
                     .turn({0, -9.81 + 0.02 * normal(), 0}));
   }
 
@@ -359,10 +359,10 @@ struct World {
   }
 
   void make_hands() {
-    for (uint32_t i = (set.hand & one) + (set.hand >> 1 & one); i > 0; --i) {
+    for (uint32_t i = (set.hand & first_hand) + (set.hand >> 1 & first_hand); i > 0; --i) {
       const double size = std::fmin(std::fmax(log_between(0.008, 0.06), r), closed ? cavity / 3 : 1.0);
       Hand hand = {{static_cast<sandglass_shape>(1 + random.below(3)), {ground(anywhere(0.2, 0.1, 0.3))}}, {}, {}};
-      hand.solid.id = i == one ? k_first_hand : 0;  // the other has none
+      hand.solid.id = i == first_hand ? k_first_hand : 0;  // the other has none
       hand.solid.size = {size, size * between(0.3, 1), size * between(0.3, 1)};
       hand.axis = anywhere(1, 0.1, 1);
       hands.push_back(hand);
@@ -404,22 +404,22 @@ struct World {
     ground = ground * turned(axis * (by * turn_rate / length(axis)));
     if (by > 0) moves_at(length(travel) + turn_rate * reach);
     drawn = Pose{noise()} * ground * turned({sd * normal() / reach, 0, 0});
-    told_velocity = ground.turn(belt_speed);
-    told_spin = {};
-    if ((set.plane & told) != 0 && real > 0 && frames > 0) {
-      told_velocity = told_velocity + (drawn.p - before) * (1 / real);
-      told_spin = ground.turn(axis) * (by / real * turn_rate / length(axis));
+    given_velocity = ground.turn(belt_speed);
+    given_spin = {};
+    if ((set.plane & velocity_given) != 0 && real > 0 && frames > 0) {
+      given_velocity = given_velocity + (drawn.p - before) * (1 / real);
+      given_spin = ground.turn(axis) * (by / real * turn_rate / length(axis));
     }
-    moves_at(length(told_velocity) + length(told_spin) * reach);
+    moves_at(length(given_velocity) + length(given_spin) * reach);
   }
 
   // A hand is as fast as its poses are in the time that is simulated. In a pause it goes on: that is a jump.
   void move_hand(Hand* hand, double real, double step) {
     Solid& s = hand->solid;
-    const Vec3 way = ground(hand->target) - s.pose.p;
-    if (length(way) < pace * real || length(way) > 1.0)
+    const Vec3 offset = ground(hand->target) - s.pose.p;
+    if (length(offset) < pace * real || length(offset) > 1.0)
       hand->target = closed ? anywhere(0.8 * cavity, 0, 2 * cavity) : anywhere(0.1 + 6 * r, -0.03, 0.1 + 6 * r);
-    const Vec3 velocity = way * (pace / std::fmax(length(way), 1e-6));
+    const Vec3 velocity = offset * (pace / std::fmax(length(offset), 1e-6));
     s.pose.p = s.pose.p + velocity * real;
     double speed = pace;
     Vec3 spin;
@@ -446,7 +446,7 @@ struct World {
       if (leap <= ((set.list & ids) != 0 ? 1.0 : 0.25) && 2 * leap <= 50 * real * real) speed += leap / real;
     }
     if ((set.hand & flickers) != 0 && one_in(40)) hand->here = !hand->here;
-    const bool says = (set.hand & hands_told) != 0;
+    const bool says = (set.hand & hand_velocity_given) != 0;
     s.velocity = says ? velocity : Vec3{};
     s.spin = says ? spin : Vec3{};
     if (step > 0) moves_at(speed * std::fmax(1.0, real / std::fmin(step, k_longest)));
@@ -457,7 +457,7 @@ struct World {
     uint32_t id = 0;
     const auto add = [&](sandglass_shape shape, Vec3 place, Vec3 size) {
       made.push_back(
-          {shape, drawn * Pose{place}, size, told_velocity + cross(told_spin, drawn.turn(place)), told_spin, ++id});
+          {shape, drawn * Pose{place}, size, given_velocity + cross(given_spin, drawn.turn(place)), given_spin, ++id});
     };
     const double a = cavity, t = 0.5 * thick, b = a + 2 * t;
     if (kind == k_plane) add(SANDGLASS_SHAPE_HALF_SPACE, slide, {});
@@ -567,7 +567,7 @@ struct World {
   Field field;
   uint64_t clock_ns = 0, unit_ns = 0;
   Pose ground;  // without noise
-  Vec3 travel, belt_speed, axis, told_velocity, told_spin;
+  Vec3 travel, belt_speed, axis, given_velocity, given_spin;
   double reach = 0, tilt_left = 0.035, turn_rate = 0, next_correction = 0.5, scene_time = 0;
   uint32_t lost_frames = 0, empty_frames = 0;
   bool second_plane = false, restored = false, stands_still = false;

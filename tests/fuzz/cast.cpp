@@ -18,8 +18,8 @@ namespace {
 using sandglass::fuzz::expect;
 
 constexpr uint32_t k_meshes = 2, k_vertices = 30, k_triangles = 60, k_turns = 4;
-constexpr uint32_t k_units_most = 100'000;  // far more than any texture of this size needs
-constexpr double k_large = 1000;            // metres; beyond, rounding is more than a texel
+constexpr uint32_t k_units_max = 100'000;  // far more than any texture of this size needs
+constexpr double k_large = 1000;           // metres; beyond, rounding is more than a texel
 
 // What is set before some units run; the fuzzer changes it. An index beyond the vertices, now and then, is meant.
 struct Turn {
@@ -205,8 +205,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     const std::vector<int32_t> statuses = scalar.set(turn, &kept[0][i % 2]);
     expect(other.set(turn, &kept[1][i % 2]) == statuses);
     if (statuses[0] == SANDGLASS_OK) plane = &turn.plane;
-    const uint32_t units = last ? k_units_most : turn.units % 1000, ran = scalar.run(units);
-    expect(other.run(units) == ran && (!last || ran < k_units_most));
+    const uint32_t units = last ? k_units_max : turn.units % 1000, ran = scalar.run(units);
+    expect(other.run(units) == ran && (!last || ran < k_units_max));
     for (const bool ambient : {false, true}) {
       expect(same(scalar.texture(ambient), other.texture(ambient)));
       check(scalar.texture(ambient), last ? plane : nullptr, ambient ? 255 : 0);

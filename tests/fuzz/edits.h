@@ -48,8 +48,8 @@ inline uint32_t odd_number(uint8_t which) {
 constexpr size_t k_edit_bytes = 8;  // fewer bytes change nothing: a good file is taken
 
 inline void apply_edits(const uint8_t* edits, size_t size, std::vector<uint8_t>* file) {
-  constexpr size_t k_most_edits = 64;
-  for (size_t i = 0; i + k_edit_bytes <= size && i < k_edit_bytes * k_most_edits && !file->empty(); i += k_edit_bytes) {
+  constexpr size_t k_edits_max = 64;
+  for (size_t i = 0; i + k_edit_bytes <= size && i < k_edit_bytes * k_edits_max && !file->empty(); i += k_edit_bytes) {
     uint32_t where;
     std::memcpy(&where, edits + i, sizeof where);
     const uint8_t how = edits[i + 4], what = edits[i + 5];

@@ -10,9 +10,9 @@ namespace {
 
 using sandglass::fuzz::expect;
 
-constexpr uint32_t k_corners = 8, k_triangles = 12, k_points_most = 2000;
-constexpr double k_rounding = 6.1e-5;       // of a coordinate at the limit, metres
-constexpr uint64_t k_bytes_most = 1 << 20;  // larger ones are made by apps, not thousands of times a second
+constexpr uint32_t k_corners = 8, k_triangles = 12, k_points_max = 2000;
+constexpr double k_rounding = 6.1e-5;      // of a coordinate at the limit, metres
+constexpr uint64_t k_bytes_max = 1 << 20;  // larger ones are made by apps, not thousands of times a second
 
 // A box and what is asked of it, as plain bytes that the fuzzer changes.
 struct Request {
@@ -28,7 +28,7 @@ struct Request {
 };
 
 struct alignas(SANDGLASS_BLOCK_ALIGNMENT) Block {
-  std::byte bytes[k_bytes_most];
+  std::byte bytes[k_bytes_max];
 };
 Block g_prepared, g_field, g_scratch;
 
@@ -61,7 +61,7 @@ void try_field(const Request& r, const sandglass_mesh& mesh, sandglass_mesh_insi
   desc.mesh = &mesh;
   desc.inside = sandglass_mesh_inside_test;
   desc.inside_user = inside;
-  if (!ok(sandglass_field_bytes(&desc, &bytes, &ok.reason)) || bytes > k_bytes_most) return;
+  if (!ok(sandglass_field_bytes(&desc, &bytes, &ok.reason)) || bytes > k_bytes_max) return;
   // The time grows with band^3 / spacing^3.
   if (r.band > 20 * r.spacing) return;
   sandglass_field* field = nullptr;
@@ -85,9 +85,9 @@ uint32_t try_points(const sandglass_sample_desc& desc, float* points) {
   Outcome ok;
   uint32_t capacity = 0, count = 0;
   uint64_t bytes = 0;
-  if (!ok(sandglass_sample_capacity(&desc, &capacity, &ok.reason)) || capacity > k_points_most) return 0;
+  if (!ok(sandglass_sample_capacity(&desc, &capacity, &ok.reason)) || capacity > k_points_max) return 0;
   expect(ok(sandglass_sample_bytes(&desc, capacity, &bytes, &ok.reason)));
-  if (bytes > k_bytes_most) return 0;
+  if (bytes > k_bytes_max) return 0;
   expect(ok(sandglass_sample_points(&desc, &g_scratch, bytes, points, capacity, &count, &ok.reason)));
   expect(count <= capacity);
   expect_finite(points, 3 * count);
@@ -116,7 +116,7 @@ void try_volume(sandglass_sample_desc desc, float* points) {
 
 void try_shapes(const Request& r, float* points) {
   Outcome ok;
-  const uint32_t count = r.count > k_points_most ? 0 : r.count;
+  const uint32_t count = r.count > k_points_max ? 0 : r.count;
   for (int shape = 0; shape < 3; ++shape) {
     const int32_t status = shape == 0 ? sandglass_sample_disk(r.radius, points, count, &ok.reason)
                            : shape == 1
@@ -130,7 +130,7 @@ void try_shapes(const Request& r, float* points) {
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   static const Request base;
-  static std::vector<float> points(3 * k_points_most);
+  static std::vector<float> points(3 * k_points_max);
   Request r = sandglass::fuzz::edited(base, data, size);
   r.vertex_count %= k_corners + 1;
   r.triangle_count %= k_triangles + 1;
@@ -153,7 +153,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   desc.mesh = &mesh;
   if (r.tries <= 100) try_surface(desc, points.data());
   uint64_t need = 0;
-  if (!ok(sandglass_mesh_inside_bytes(&mesh, r.rule, &need, &ok.reason)) || need > k_bytes_most) return 0;
+  if (!ok(sandglass_mesh_inside_bytes(&mesh, r.rule, &need, &ok.reason)) || need > k_bytes_max) return 0;
   sandglass_mesh_inside* inside = nullptr;
   if (!ok(sandglass_mesh_inside_create(&mesh, r.rule, &g_prepared, need, &inside, &ok.reason))) return 0;
   (void)sandglass_mesh_inside_test(inside, r.point);
