@@ -71,13 +71,13 @@ TEST(Cast, AnOriginThatShiftsWithinThePlaneCostsNothing) {
     sandglass::Cast cast = lit({mesh}, towards(50, 30), 0.2f, plane);
     const Bytes bytes = light_of(cast);
     for (uint32_t frame = 1; frame <= 60; ++frame) {
-      const float way[2] = {0.037f * static_cast<float>(frame % 40), -0.011f * static_cast<float>(frame)};
-      plane.origin[0] = tilt * way[0];
-      plane.origin[1] = -tilt * way[0];
-      plane.origin[2] = way[1];
+      const float shift[2] = {0.037f * static_cast<float>(frame % 40), -0.011f * static_cast<float>(frame)};
+      plane.origin[0] = tilt * shift[0];
+      plane.origin[1] = -tilt * shift[0];
+      plane.origin[2] = shift[1];
       for (uint32_t axis = 0; axis < 2; ++axis) {
-        plane.low[axis] = first.low[axis] - way[axis];
-        plane.high[axis] = first.high[axis] - way[axis];
+        plane.low[axis] = first.low[axis] - shift[axis];
+        plane.high[axis] = first.high[axis] - shift[axis];
       }
       EXPECT_EQ(units_on(plane, &cast), 0u) << frame;
     }
@@ -145,11 +145,11 @@ TEST(Cast, ArraysThatTakeTurnsAreAsGoodAsOne) {
     EXPECT_EQ(light_of(cast), light_of(lit({mesh}, towards(50, 30), 0, desc)));
     return completed;
   };
-  const uint32_t one = textures(false, 1, 0);
-  EXPECT_GE(one, 4u);
-  EXPECT_EQ(textures(true, 1, 0), one);
-  EXPECT_GE(textures(true, 0, 0), one);
-  EXPECT_GE(textures(true, 1, 50), one / 2);  // a scan, which grows and is thinned
+  const uint32_t steady = textures(false, 1, 0);
+  EXPECT_GE(steady, 4u);
+  EXPECT_EQ(textures(true, 1, 0), steady);
+  EXPECT_GE(textures(true, 0, 0), steady);
+  EXPECT_GE(textures(true, 1, 50), steady / 2);  // a scan, which grows and is thinned
 }
 
 // A tracker tells a plane, and an app a pose, once: whenever that is, the texture that stays is of the last ones.

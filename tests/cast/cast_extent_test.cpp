@@ -23,10 +23,10 @@ TEST(Cast, WhatIsFarDoesNotMakeAShadowCoarse) {
   const auto light = towards(54, 31);
   const sandglass::Cast alone = lit({mug.mesh()}, light, 0.35f);
   EXPECT_EQ(alone.report().too_far, 0u);
-  const Shape in_one[] = {together(mug, stray), together(stray, mug)};
+  const Shape joined[] = {together(mug, stray), together(stray, mug)};
   for (const std::vector<sandglass_cast_mesh>& meshes :
-       {std::vector{mug.mesh(), second.mesh(1)}, std::vector{mug.mesh(), bird.mesh()}, std::vector{in_one[0].mesh()},
-        std::vector{in_one[1].mesh()}}) {
+       {std::vector{mug.mesh(), second.mesh(1)}, std::vector{mug.mesh(), bird.mesh()}, std::vector{joined[0].mesh()},
+        std::vector{joined[1].mesh()}}) {
     const sandglass::Cast cast = lit(meshes, light, 0.35f);
     EXPECT_GT(cast.report().too_far, 0u);
     EXPECT_EQ(both_of(cast), both_of(alone));

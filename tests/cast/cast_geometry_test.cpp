@@ -159,11 +159,11 @@ TEST(Cast, ClosedMirroredAndShortIndicesAreTheSame) {
   small.indices = shorts.data();
   small.index_bytes = 2;
   EXPECT_EQ(of(small), of(s.mesh(1)));
-  Shape apart;
+  Shape separate;
   for (const uint32_t i : s.indices)
-    apart.positions.insert(apart.positions.end(),
-                           {s.positions[3 * i], s.positions[3 * i + 1], s.positions[3 * i + 2], 0});
-  sandglass_cast_mesh without = apart.mesh(1);
+    separate.positions.insert(separate.positions.end(),
+                              {s.positions[3 * i], s.positions[3 * i + 1], s.positions[3 * i + 2], 0});
+  sandglass_cast_mesh without = separate.mesh(1);
   without.indices = nullptr;
   without.stride = 16;
   without.vertex_count = static_cast<uint32_t>(s.indices.size());

@@ -145,9 +145,9 @@ inline double root_mean_square(const sandglass_texture& t, const std::function<d
 
 inline double farthest(const Bytes& a, const Bytes& b) {
   EXPECT_EQ(a.size(), b.size());
-  int most = 0;
-  for (size_t i = 0; i < a.size(); ++i) most = std::max(most, std::abs(a[i] - b[i]));
-  return most;
+  int difference_max = 0;
+  for (size_t i = 0; i < a.size(); ++i) difference_max = std::max(difference_max, std::abs(a[i] - b[i]));
+  return difference_max;
 }
 
 // A scene with all that has bounds of its own: closed and open, real and virtual, cut by the plane.

@@ -120,11 +120,11 @@ TEST(Cast, InRealShadeTheDarkeningIsThatOfRays) {
       if (u < 0 || v < 0 || u >= t.side || v >= t.side) return outside;
       return t.bytes[static_cast<uint32_t>(v) * t.side + static_cast<uint32_t>(u)] / 255.0;
     };
-    const sandglass::Cast untold = drawn(0);
+    const sandglass::Cast plain = drawn(0);
     double worst = 0, control = 0;
     for (const double share : {0.3, 0.5, 0.7, 0.85, 0.95}) {
       const sandglass::Cast cast = drawn(share);
-      double wanted = 0, told = 0, not_told = 0;
+      double wanted = 0, known = 0, unknown = 0;
       for (int i = 0; i < k_side * k_side; ++i) {
         const double x = (i % k_side - 11.5) / k_side * 0.44, z = (i / k_side - 11.5) / k_side * 0.44;
         double before = 0, after = 0;
@@ -136,12 +136,12 @@ TEST(Cast, InRealShadeTheDarkeningIsThatOfRays) {
         }
         if (before < 0.01) continue;
         wanted += 1 - after / before;
-        told += 1 - share * (1 - sampled(cast.texture(), x, z, 0)) -
-                std::max(sampled(cast.ambient(), x, z, 1) - share, 0.0);
-        not_told += share * sampled(untold.texture(), x, z, 0) + (1 - share) * (1 - sampled(untold.ambient(), x, z, 1));
+        known += 1 - share * (1 - sampled(cast.texture(), x, z, 0)) -
+                 std::max(sampled(cast.ambient(), x, z, 1) - share, 0.0);
+        unknown += share * sampled(plain.texture(), x, z, 0) + (1 - share) * (1 - sampled(plain.ambient(), x, z, 1));
       }
-      worst = std::max(worst, std::abs(told / wanted - 1));
-      control = std::max(control, std::abs(not_told / wanted - 1));
+      worst = std::max(worst, std::abs(known / wanted - 1));
+      control = std::max(control, std::abs(unknown / wanted - 1));
     }
     EXPECT_LE(worst, 0.06);
     EXPECT_GT(control, 0.15);

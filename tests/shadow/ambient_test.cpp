@@ -254,12 +254,12 @@ TEST(AmbientShadow, AFileOfVersionOneHasNone) {
 
 TEST(AmbientShadow, TheHashCoversIt) {
   const AssetFile file = make_shadow_file(shape());
-  Ambient one(file), other(file);
-  one.mixed(only(3));
+  Ambient mixed_shadow(file), other(file);
+  mixed_shadow.mixed(only(3));
   other.mixed(only(3));
-  EXPECT_EQ(sandglass_shadow_hash(one.shadow), sandglass_shadow_hash(other.shadow));
+  EXPECT_EQ(sandglass_shadow_hash(mixed_shadow.shadow), sandglass_shadow_hash(other.shadow));
   other.mixed(only(4));
-  EXPECT_NE(sandglass_shadow_hash(one.shadow), sandglass_shadow_hash(other.shadow));
+  EXPECT_NE(sandglass_shadow_hash(mixed_shadow.shadow), sandglass_shadow_hash(other.shadow));
 }
 
 // The nearest point in double, by looking at all of them; among those at one place the one with the nearest normal.

@@ -108,9 +108,9 @@ TEST(AmbientTruth, NothingIsHiddenAlongTheRim) {
   Chair chair;
   const uint32_t last = chair.square.side - 1;
   for (uint32_t cell = 0; cell < SANDGLASS_LIGHT_CELLS; ++cell) {
-    Cells one = {};
-    one[cell] = 1;
-    const std::vector<uint8_t> texture = chair.runner.ambient(one);
+    Cells single = {};
+    single[cell] = 1;
+    const std::vector<uint8_t> texture = chair.runner.ambient(single);
     EXPECT_LT(*std::min_element(texture.begin(), texture.end()), 128) << cell;
     for (uint32_t i = 0; i <= last; ++i)
       for (const uint32_t texel : {i, last * (last + 1) + i, i * (last + 1), i * (last + 1) + last})
@@ -163,9 +163,9 @@ TEST(AmbientTruth, YawTurnsTheLightAgainstTheObject) {
                   ? 0.0
                   : 1.0 / k_rays;
         }
-        for (size_t way = 0; way < 3; ++way) {
-          const double drawn = textures[way][size_t{v} * chair.square.side + u] / 255.0;
-          squares[way] += (drawn - truth[0]) * (drawn - truth[1]);
+        for (size_t method = 0; method < 3; ++method) {
+          const double drawn = textures[method][size_t{v} * chair.square.side + u] / 255.0;
+          squares[method] += (drawn - truth[0]) * (drawn - truth[1]);
         }
       }
   }

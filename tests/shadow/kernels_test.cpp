@@ -78,8 +78,8 @@ TEST(ShadowKernels, EveryTableEqualsTheOracleForEveryCountOfTexels) {
     const Oracle oracle(c);
     std::vector<uint16_t> u, v;
     std::vector<uint8_t> expected;
-    constexpr uint32_t k_most = 2 * k_texel_block + 1;
-    for (uint32_t i = 0; i < k_most; ++i) {
+    constexpr uint32_t k_texels = 2 * k_texel_block + 1;
+    for (uint32_t i = 0; i < k_texels; ++i) {
       u.push_back(static_cast<uint16_t>(i * 37 % 256));
       v.push_back(static_cast<uint16_t>(i * 101 % 256));
       expected.push_back(oracle.texel(u[i], v[i]));
@@ -99,7 +99,7 @@ TEST(ShadowKernels, EveryTableEqualsTheOracleForEveryCountOfTexels) {
                           packed[layer].data(), bias[layer].data());
         network.layer[layer] = {packed[layer].data(), bias[layer].data(), oracle.multiplier[layer].data()};
       }
-      for (uint32_t count = 1; count <= k_most; count += count < 4 || count > 44 ? 1 : 7) {
+      for (uint32_t count = 1; count <= k_texels; count += count < 4 || count > 44 ? 1 : 7) {
         std::vector<uint8_t> result(count + 1, 0xEE);
         const TexelRange range = {u.data(), v.data(), count, scratch.data(), result.data()};
         table->shadow_texels(&network, &range);

@@ -38,7 +38,7 @@ Cells even_sky() {
   cells.fill(1.0f / SANDGLASS_LIGHT_CELLS);
   return cells;
 }
-Cells one_bright(uint32_t cell) {
+Cells single_cell(uint32_t cell) {
   Cells cells{};
   cells[cell] = 1;
   return cells;
@@ -281,7 +281,7 @@ TEST(PileSky, IsHalfAsWrongAsLeavingItOutUnderOneBrightCell) {
   if (SANDGLASS_EMULATED) GTEST_SKIP() << "millions of rays";
   for (const Sand& sand : {Sand("heap", heap()), Sand("wall", wall())})
     for (const uint32_t cell : {0u, 5u, 11u, 18u, 25u}) {
-      const Errors errors = errors_of(sand, one_bright(cell), one_bright(cell));
+      const Errors errors = errors_of(sand, single_cell(cell), single_cell(cell));
       expect_half(sand.name + ", floor, cell " + std::to_string(cell), errors.floor);
       if (sand.name != "heap" || cell >= 16) continue;
       expect_half("heap, the sand seen, cell " + std::to_string(cell), errors.seen);
@@ -293,7 +293,7 @@ TEST(PileSky, IsHalfAsWrongAsLeavingItOutUnderOneBrightCell) {
 TEST(PileSky, MirroredOrTurnedLightFails) {
   if (SANDGLASS_EMULATED) GTEST_SKIP() << "millions of rays";
   const Sand sand("heap", heap());
-  const Cells light = one_bright(5);
+  const Cells light = single_cell(5);
   const Cells mirrored = turned(light, [](uint32_t sector) { return 15 - sector; });
   const Cells quarter = turned(light, [](uint32_t sector) { return sector + 4; });
   for (const Cells& wrong : {mirrored, quarter}) {

@@ -84,12 +84,12 @@ TEST(Shadow, CellsThatAreNotRefinedAreInterpolated) {
 
 TEST(Shadow, ALightThatNeverStopsStillGetsTextures) {
   LiveShadow shadow(describe(make_shadow_file({32, 1, 10, 4, 11, 0.6f})));
-  uint32_t changes = 0, oldest = 0, most_units = 0;
+  uint32_t changes = 0, oldest = 0, units_of_texture = 0;
   constexpr uint32_t k_units_a_frame = 5;
   std::vector<uint8_t> last = shadow.coverage();
   for (int frame = 0; frame < 1000; ++frame) {
     shadow.light(std::sin(0.02f * static_cast<float>(frame)), 1, 0.3f);
-    if (frame == 0) most_units = sandglass_shadow_units_left(shadow.shadow);  // units of one texture
+    if (frame == 0) units_of_texture = sandglass_shadow_units_left(shadow.shadow);  // units of one texture
     sandglass_shadow_run(&shadow.shadow, 1, k_units_a_frame);
     oldest = std::max(oldest, shadow.texture().behind);
     if (shadow.coverage() != last) {
@@ -101,7 +101,7 @@ TEST(Shadow, ALightThatNeverStopsStillGetsTextures) {
   EXPECT_GT(shadow.texture().behind, 0u);
   // A texture is as old as its own making when it arrives, and is shown while the next one is made. Two may share a
   // frame.
-  const uint32_t frames = (most_units + k_units_a_frame - 1) / k_units_a_frame;
+  const uint32_t frames = (units_of_texture + k_units_a_frame - 1) / k_units_a_frame;
   EXPECT_LE(oldest, 2 * frames + 1);
   EXPECT_LT(2 * frames + 1, 500u);  // of 1000 frames; otherwise the bound would say nothing
 }

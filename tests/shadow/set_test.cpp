@@ -141,21 +141,21 @@ TEST(ShadowSet, TheForecastIsOfTheUnitsThatAreThenRun) {
       const auto items_of = [&](uint32_t pieces) {
         return (uint64_t{pieces} * whole.items + whole.pieces - 1) / whole.pieces;
       };
-      uint64_t apart = 0;
+      uint64_t difference = 0;
       if (kind == k_kind_refine)
         for (uint32_t l = 0; l < 2; ++l) {
           const uint32_t expected = turn > 0 ? cells_before[l] : k_cells * k_cells;
-          apart += items_of(expected > cells[l] ? expected - cells[l] : cells[l] - expected);
+          difference += items_of(expected > cells[l] ? expected - cells[l] : cells[l] - expected);
           EXPECT_GT(cells[l], 0u);
         }
       const uint64_t last_units = 2 * (whole.items + shadow_unit(full.shadow->shadow, kind).items);
       for (size_t i = 0; i < foreseen.size(); ++i) {
         const uint64_t then = total[kind] - spent[i][kind];
         // 2, because the forecast of each object is rounded up.
-        ASSERT_LE(foreseen[i][kind], then + apart + 2) << kind << " at " << i;
-        ASSERT_GE(foreseen[i][kind] + apart + last_units, then) << kind << " at " << i;
+        ASSERT_LE(foreseen[i][kind], then + difference + 2) << kind << " at " << i;
+        ASSERT_GE(foreseen[i][kind] + difference + last_units, then) << kind << " at " << i;
       }
-      EXPECT_LE(5 * apart, turn > 0 ? total[kind] : ~uint64_t{0});  // otherwise the bound would say little
+      EXPECT_LE(5 * difference, turn > 0 ? total[kind] : ~uint64_t{0});  // otherwise the bound would say little
     }
   }
 }
@@ -221,26 +221,26 @@ TEST(ShadowSet, CombinedLightsAreWeightedByTheirIrradiance) {
 // A light without a texture yet counts as unshaded. Here only one part in ten is known to be in shadow.
 TEST(ShadowSet, ALightWithoutATextureYetIsCombinedAsUnshaded) {
   const AssetFile file = make_shadow_file(k_network);
-  LiveShadow one(describe(file)), two(describe_lights(file, 2));
-  one.shade(0.5f, 1, 0.1f);
-  set_light(two, 0, 0.5f, 0.1f, 1);
-  two.finish();
-  set_light(two, 1, -0.6f, 0.4f, 9);
-  ASSERT_EQ(two.texture(1).valid, 0u);
-  ASSERT_EQ(two.texture(1).scale, 1.0f);
+  LiveShadow single(describe(file)), pair(describe_lights(file, 2));
+  single.shade(0.5f, 1, 0.1f);
+  set_light(pair, 0, 0.5f, 0.1f, 1);
+  pair.finish();
+  set_light(pair, 1, -0.6f, 0.4f, 9);
+  ASSERT_EQ(pair.texture(1).valid, 0u);
+  ASSERT_EQ(pair.texture(1).scale, 1.0f);
   constexpr uint32_t k_out = 100;
   std::vector<uint8_t> alone(k_out * k_out), together(k_out * k_out);
   float low[2][2], high[2][2];
-  ASSERT_EQ(sandglass_shadow_combine(one.shadow, alone.data(), k_out, low[0], high[0], nullptr), SANDGLASS_OK);
-  ASSERT_EQ(sandglass_shadow_combine(two.shadow, together.data(), k_out, low[1], high[1], nullptr), SANDGLASS_OK);
+  ASSERT_EQ(sandglass_shadow_combine(single.shadow, alone.data(), k_out, low[0], high[0], nullptr), SANDGLASS_OK);
+  ASSERT_EQ(sandglass_shadow_combine(pair.shadow, together.data(), k_out, low[1], high[1], nullptr), SANDGLASS_OK);
   for (int axis = 0; axis < 2; ++axis) {
     EXPECT_EQ(low[0][axis], low[1][axis]);
     EXPECT_EQ(high[0][axis], high[1][axis]);
   }
   EXPECT_GT(*std::max_element(alone.begin(), alone.end()), 200);
   for (uint32_t i = 0; i < k_out * k_out; ++i) ASSERT_NEAR(together[i], 0.1 * alone[i], 0.55) << i;  // both are rounded
-  two.finish();
-  ASSERT_EQ(sandglass_shadow_combine(two.shadow, together.data(), k_out, low[1], high[1], nullptr), SANDGLASS_OK);
+  pair.finish();
+  ASSERT_EQ(sandglass_shadow_combine(pair.shadow, together.data(), k_out, low[1], high[1], nullptr), SANDGLASS_OK);
   EXPECT_GT(*std::max_element(together.begin(), together.end()), 100);  // the strong light's shadow
 }
 
@@ -257,14 +257,14 @@ sandglass_frame_report frame(SandScene& sand, const std::vector<sandglass_shadow
 TEST(ShadowFrame, ABudgetOfNothingStillBringsTheTexture) {
   const AssetFile file = make_shadow_file(k_network);
   for (const sandglass_shadow_mode mode : {SANDGLASS_SHADOW_FULL, SANDGLASS_SHADOW_ADAPTIVE})
-    for (const bool has_one : {false, true}) {
+    for (const bool has_texture : {false, true}) {
       LiveShadow expected(describe(file, SANDGLASS_ISA_AUTOMATIC, mode));
       LiveShadow shadow(describe(file, SANDGLASS_ISA_AUTOMATIC, mode));
       expected.shade(0.5f, 1, 0.2f);
       VirtualClock time;
       time.step_ns = 1000;
       SandScene sand(virtual_clock(&time));
-      if (has_one) shadow.shade(-1, 1, 0);
+      if (has_texture) shadow.shade(-1, 1, 0);
       const std::vector<uint8_t> before = shadow.coverage();
       shadow.light(0.5f, 1, 0.2f);
       uint32_t frames = 0;
@@ -277,7 +277,7 @@ TEST(ShadowFrame, ABudgetOfNothingStillBringsTheTexture) {
         done = report.shadows.pending == 0;
         if (!done) {
           ASSERT_EQ(report.shadows.calls_behind, 1u);
-          ASSERT_EQ(shadow.texture().valid, has_one ? 1u : 0u);
+          ASSERT_EQ(shadow.texture().valid, has_texture ? 1u : 0u);
           ASSERT_EQ(shadow.coverage(), before);
         }
       }
@@ -290,7 +290,7 @@ TEST(ShadowFrame, ABudgetOfNothingStillBringsTheTexture) {
 // The least budget that gives the best quality level grows by the measured cost of the texture, and at most so far that
 // the cost is the stage's share of the budget.
 TEST(ShadowFrame, ATextureCountsForItsCostWhenTheQualityLevelIsChosen) {
-  constexpr uint64_t k_ample = 1'000'000'000, k_unit_ns = 1000, k_least = 1 << 19, k_most = 1 << 21, k_near = 1 << 12;
+  constexpr uint64_t k_ample = 1'000'000'000, k_unit_ns = 1000, k_low = 1 << 19, k_high = 1 << 21, k_near = 1 << 12;
   constexpr double k_share = 0.2;  // the stage's share, as in runtime/scene
   const AssetFile file = make_shadow_file({64, 1, 10, 4, 11, 0.6f});
   struct Waiting {
@@ -314,19 +314,19 @@ TEST(ShadowFrame, ATextureCountsForItsCostWhenTheQualityLevelIsChosen) {
     sandglass_shadow_run(&shadow.shadow, 1, waiting.done);
     return frame(sand, {shadow.shadow}, budget).level;
   };
-  const auto least_budget = [&](const Waiting& waiting) {
-    uint64_t low = k_least, high = k_most;
+  const auto budget_min = [&](const Waiting& waiting) {
+    uint64_t low = k_low, high = k_high;
     while (high - low > k_near) (level_at(waiting, (low + high) / 2) == 0 ? high : low) = (low + high) / 2;
     return high;
   };
-  const double near = 2 * k_near, alone = static_cast<double>(least_budget({255, {}, 0}));
+  const double near = 2 * k_near, alone = static_cast<double>(budget_min({255, {}, 0}));
   // No cell of the light's last texture was refined.
-  EXPECT_NEAR(static_cast<double>(least_budget({255, {0}, 0})), alone + static_cast<double>(cost), near);
-  const uint32_t all_but_one = static_cast<uint32_t>(cost / k_unit_ns) - 1;
-  EXPECT_NEAR(static_cast<double>(least_budget({255, {0}, all_but_one})), alone + k_unit_ns, near);
+  EXPECT_NEAR(static_cast<double>(budget_min({255, {0}, 0})), alone + static_cast<double>(cost), near);
+  const uint32_t units_done = static_cast<uint32_t>(cost / k_unit_ns) - 1;
+  EXPECT_NEAR(static_cast<double>(budget_min({255, {0}, units_done})), alone + k_unit_ns, near);
   EXPECT_GT(static_cast<double>(cost), 2 * near);  // otherwise the two budgets are the same
   // Two lights without textures, all of whose cells may have to be refined.
-  EXPECT_NEAR(static_cast<double>(least_budget({0, {1, 2}, 0})), alone / (1 - k_share), near);
+  EXPECT_NEAR(static_cast<double>(budget_min({0, {1, 2}, 0})), alone / (1 - k_share), near);
 }
 
 TEST(ShadowFrame, WithoutAClockEveryTextureIsDoneInItsFrame) {

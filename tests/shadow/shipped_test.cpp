@@ -68,9 +68,9 @@ TEST(ShippedChair, IsAsCloseToRayTracingAsItsFileSays) {
       const size_t at = size_t{uv[2 * i + 1]} * k_size + uv[2 * i];
       const double t = static_cast<double>(truth[i]);
       squares[0] += std::pow(static_cast<double>(values[i]) - t, 2);
-      for (int way = 0; way < 2; ++way) squares[1 + way] += std::pow(1 - textures[way][at] / 255.0 - t, 2);
+      for (int m = 0; m < 2; ++m) squares[1 + m] += std::pow(1 - textures[m][at] / 255.0 - t, 2);
     }
-    for (int way = 0; way < 3; ++way) rmse[way] += std::sqrt(squares[way] / count) / k_lights;
+    for (int m = 0; m < 3; ++m) rmse[m] += std::sqrt(squares[m] / count) / k_lights;
   }
   EXPECT_LE(rmse[0], 0.02);
   EXPECT_NEAR(rmse[0], static_cast<double>(chair.asset.rmse_float), 0.002);

@@ -84,10 +84,10 @@ TEST(ShadowTraining, GradientIsTheSlopeOfTheLoss) {
 TEST(ShadowTraining, NoUnseenLightIsATrainedOne) {
   const double polar_max = 70 * k_pi / 180, area = 2 * k_pi * (1 - std::cos(polar_max));
   const auto nearest = [](const std::vector<Direction>& lights, const std::vector<Direction>& trained) {
-    double least = 4;
+    double closest = 4;
     for (const Direction& a : lights)
-      for (const Direction& b : trained) least = std::min(least, std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]));
-    return least;
+      for (const Direction& b : trained) closest = std::min(closest, std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]));
+    return closest;
   };
   constexpr std::pair<uint32_t, uint32_t> k_counts[] = {{16, 16},     {960, 960},  {4816, 4816},
                                                         {4816, 1000}, {4816, 301}, {16, 1000}};

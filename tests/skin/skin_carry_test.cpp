@@ -65,10 +65,10 @@ struct Glass {
     input.skin = sand->skin.get();
     return sand->scene.run(input);
   }
-  bool is_beyond(const float* p, float most) const {
+  bool is_beyond(const float* p, float limit) const {
     const float c = std::cos(turned), s = std::sin(turned), x = p[0], y = p[1] - sand->scene.colliders[0].position[1];
     const float local[3] = {c * x + s * y, c * y - s * x, p[2]};
-    return free_in_glass(local) < -most;
+    return free_in_glass(local) < -limit;
   }
   uint32_t beyond(const sandglass_skin_chunk* chunks, uint32_t count) const {
     uint32_t sum = 0;
@@ -85,7 +85,7 @@ struct Glass {
   float turned = 0;
 };
 
-using Way = std::array<float, 2> (*)(float);
+using Motion = std::array<float, 2> (*)(float);
 std::array<float, 2> rests(float) { return {0, 0}; }
 std::array<float, 2> turns(float t) {
   const float s = std::clamp(t / 1.2f, 0.0f, 1.0f);
@@ -97,11 +97,11 @@ std::array<float, 2> shakes(float t) { return {0, 0.025f * (1 - std::cos(4 * std
 // Control: the mesh as it was made is.
 TEST(SkinCarry, NoVertexIsBeyondTheGlass) {
   for (const uint64_t ns : {500'000u, 1'500'000u})
-    for (const Way way : {turns, shakes}) {
+    for (const Motion motion : {turns, shakes}) {
       Glass glass(ns);
       uint32_t beyond = 0, as_made = 0, behind = 0;
       for (int i = 0; i < 90; ++i) {
-        glass.frame(way(static_cast<float>(i + 1) / 60));
+        glass.frame(motion(static_cast<float>(i + 1) / 60));
         const sandglass_skin_mesh mesh = glass.sand->skin.mesh();
         beyond += glass.beyond(mesh.chunks, mesh.chunk_count);
         as_made += glass.beyond(glass.sand->skin.get()->skin.meshes.front.chunks, mesh.chunk_count);
@@ -147,19 +147,19 @@ TEST(SkinCarry, SandIsSeenFromTheFirstFrame) {
 // A mesh whose sand has fallen to the other end of a glass that was turned hangs there no more: all sand is loose. One whose
 // glass is shaken a little stays.
 TEST(SkinCarry, NoMeshHangsWhereItsSandHasLeft) {
-  for (const Way way : {turns, shakes}) {
+  for (const Motion motion : {turns, shakes}) {
     Glass glass(2'000'000);
     while (glass.sand->skin.mesh().index_count == 0) glass.frame({0, 0});
     glass.clock.skin_unit_ns = 1'000'000'000;  // one unit in a frame
     uint32_t without = 0;
     for (int i = 0; i < 100; ++i) {
-      const uint32_t particles = glass.frame(way(static_cast<float>(i + 1) / 60)).sand.particles;
+      const uint32_t particles = glass.frame(motion(static_cast<float>(i + 1) / 60)).sand.particles;
       const sandglass_skin_mesh mesh = glass.sand->skin.mesh();
       if (mesh.index_count != 0) continue;
       ++without;
       EXPECT_EQ(mesh.flying_count + mesh.lying_count, particles);
     }
-    EXPECT_EQ(without > 5, way == turns) << without;
+    EXPECT_EQ(without > 5, motion == turns) << without;
   }
 }
 
@@ -188,12 +188,12 @@ TEST(SkinCarry, NewSandIsLoose) {
 
 // A plan that was recorded while skins are late gives the same mesh in every frame, on another instruction set.
 TEST(SkinCarry, PlansReplay) {
-  Glass told(1'500'000), again(0, SANDGLASS_ISA_SCALAR);
+  Glass recorded(1'500'000), again(0, SANDGLASS_ISA_SCALAR);
   for (int i = 0; i < 60; ++i) {
     const std::array<float, 2> to = turns(static_cast<float>(i + 1) / 60);
-    const sandglass_frame_report report = told.frame(to);
+    const sandglass_frame_report report = recorded.frame(to);
     again.frame(to, &report.plan);
-    ASSERT_EQ(told.sand->skin.hash(), again.sand->skin.hash()) << i;
+    ASSERT_EQ(recorded.sand->skin.hash(), again.sand->skin.hash()) << i;
   }
 }
 

@@ -18,15 +18,15 @@ TEST(Skin, MadeBitByBitIsMadeAtOnce) {
   Sand sand(rough(1000));
   sand.lie(block(10, 10, 10));
   // How far all but one in fifty vertices of one are from those of the other at most.
-  const auto apart = [](const Mesh& from, const Mesh& to) {
+  const auto distance = [](const Mesh& from, const Mesh& to) {
     std::vector<double> distances;
     for (const sandglass_skin_vertex& v : from.vertices) {
-      double least = 1e9;
+      double squared_min = 1e9;
       for (const sandglass_skin_vertex& w : to.vertices) {
         const Point d = {v.position[0] - w.position[0], v.position[1] - w.position[1], v.position[2] - w.position[2]};
-        least = std::min(least, dot(d, d));
+        squared_min = std::min(squared_min, dot(d, d));
       }
-      distances.push_back(std::sqrt(least));
+      distances.push_back(std::sqrt(squared_min));
     }
     std::sort(distances.begin(), distances.end());
     return distances[distances.size() * 49 / 50];
@@ -42,10 +42,10 @@ TEST(Skin, MadeBitByBitIsMadeAtOnce) {
     input.skin = fresh.get();
     sand.scene.run(input);
     const Mesh now = mesh_of(sand.skin), once = mesh_of(fresh);
-    EXPECT_LT(apart(now, once), 0.1 * k_radius);
-    EXPECT_LT(apart(once, now), 0.1 * k_radius);
+    EXPECT_LT(distance(now, once), 0.1 * k_radius);
+    EXPECT_LT(distance(once, now), 0.1 * k_radius);
     if (i == 19) {
-      EXPECT_GT(apart(before, once), 0.3 * k_radius) << "the sand does not move: the test could not fail";
+      EXPECT_GT(distance(before, once), 0.3 * k_radius) << "the sand does not move: the test could not fail";
     }
     sand.skin.refresh();
     sand.frame(0);
@@ -101,9 +101,9 @@ TEST(Skin, ItsGrainsMoveWithTheSand) {
         continue;
       ++moved;
       // Where both look the block up, apart from whole blocks: at x / side - origin / 65536.
-      const double apart = (static_cast<double>(w.position[0]) - static_cast<double>(v.position[0])) / side -
-                           static_cast<double>(static_cast<uint16_t>(w.origin[0] - v.origin[0])) / 65536;
-      same += std::fabs(apart - std::round(apart)) < 0.02 && w.origin[1] == v.origin[1] ? 1 : 0;
+      const double offset = (static_cast<double>(w.position[0]) - static_cast<double>(v.position[0])) / side -
+                            static_cast<double>(static_cast<uint16_t>(w.origin[0] - v.origin[0])) / 65536;
+      same += std::fabs(offset - std::round(offset)) < 0.02 && w.origin[1] == v.origin[1] ? 1 : 0;
     }
   EXPECT_GT(moved, before.vertices.size() * 9 / 10);
   EXPECT_GT(same, moved * 8 / 10) << "of " << moved;
@@ -137,20 +137,20 @@ TEST(Skin, APushExchangesFewPatches) {
           const auto at = static_cast<size_t>(mesh.chunks[c].vertices - mesh.vertices) + v;
           now.push_back({place(mesh.vertices[at]), mesh.anchors[at]});
         }
-      for (const Anchored& one : now) {
+      for (const Anchored& own : now) {
         if (i < 30) break;
         const Anchored* nearest = nullptr;
-        float least = 0.5f * 1.5f * k_radius;
+        float distance_min = 0.5f * 1.5f * k_radius;
         for (const Anchored& other : before) {
-          const float away = std::hypot(one.at[0] - other.at[0], one.at[1] - other.at[1], one.at[2] - other.at[2]);
-          if (away < least) {
-            least = away;
+          const float away = std::hypot(own.at[0] - other.at[0], own.at[1] - other.at[1], own.at[2] - other.at[2]);
+          if (away < distance_min) {
+            distance_min = away;
             nearest = &other;
           }
         }
-        if (nearest == nullptr || least < 1e-6f) continue;  // what stands still is exchanged by none
+        if (nearest == nullptr || distance_min < 1e-6f) continue;  // what stands still is exchanged by none
         ++seen;
-        exchanged += nearest->anchor != one.anchor ? 1 : 0;
+        exchanged += nearest->anchor != own.anchor ? 1 : 0;
       }
       before = now;
     }
@@ -221,8 +221,8 @@ TEST(Skin, ALateSkinIsCarriedAlong) {
     for (size_t v = 0; same && v < mesh.vertices.size(); ++v)
       for (int k = 0; k < 3; ++k) {
         const sandglass_skin_vertex &a = before.vertices[v], &b = mesh.vertices[v];
-        const double way = static_cast<double>(b.position[k]) - static_cast<double>(a.position[k]);
-        ASSERT_NEAR(way, static_cast<double>(velocity[k]) * seconds, 1e-5) << i;
+        const double displacement = static_cast<double>(b.position[k]) - static_cast<double>(a.position[k]);
+        ASSERT_NEAR(displacement, static_cast<double>(velocity[k]) * seconds, 1e-5) << i;
         const double turns = lookup(b, k) - lookup(a, k);
         ASSERT_NEAR(turns, std::round(turns), 4.0 / 65536) << i;
       }

@@ -99,8 +99,8 @@ TEST(Skin, SandInTheAirThrowsItsOwnShadow) {
   const sandglass_skin_mesh mesh = sand.skin.mesh();
   ASSERT_EQ(mesh.flying_count, 2u);
   for (uint32_t k = 0; k < 2; ++k) {
-    const sandglass_skin_loose& one = mesh.loose[k];
-    const bool on_heap = one.position[0] < 0;
+    const sandglass_skin_loose& loose = mesh.loose[k];
+    const bool on_heap = loose.position[0] < 0;
     double sum = 0, x = 0, z = 0;
     for (uint32_t i = 0; i < n * n; ++i) {  // of the texture that is drawn there
       if ((static_cast<float>(i % n) < 0.5f * static_cast<float>(n)) != on_heap) continue;
@@ -112,16 +112,16 @@ TEST(Skin, SandInTheAirThrowsItsOwnShadow) {
       z += (1 - passed) * (i / n + 0.5);
     }
     const double outline = k_loose * M_PI * k_radius * k_radius / 0.8 / (texel * texel);
-    EXPECT_NEAR(sum, static_cast<double>(one.weight) * outline, 0.06 * outline) << on_heap;
+    EXPECT_NEAR(sum, static_cast<double>(loose.weight) * outline, 0.06 * outline) << on_heap;
     // How far its shadow fell, by where it is: down to the heap, or to the floor.
-    const double fell_x = (one.position[0] - (x / sum * texel - 0.5)) / (0.36 / 0.8);
-    const double fell_z = (one.position[2] - (z / sum * texel - 0.5)) / (0.48 / 0.8);
+    const double fell_x = (loose.position[0] - (x / sum * texel - 0.5)) / (0.36 / 0.8);
+    const double fell_z = (loose.position[2] - (z / sum * texel - 0.5)) / (0.48 / 0.8);
     EXPECT_NEAR(fell_x, fell_z, 1.5 * texel);
     const sandglass_texture sky = sand.pile.texture(SANDGLASS_PILE_SHADOW_HEIGHTS);
     const auto at = static_cast<uint32_t>(x / sum) + n * static_cast<uint32_t>(z / sum);
     const double top = static_cast<double>(sky.bytes[at]) * static_cast<double>(sky.scale) / 255;
     EXPECT_EQ(top > 0.03, on_heap);
-    EXPECT_NEAR(fell_z, one.position[1] - top, (on_heap ? 1.5 : 0.5) * texel);
+    EXPECT_NEAR(fell_z, loose.position[1] - top, (on_heap ? 1.5 : 0.5) * texel);
   }
 }
 

@@ -47,14 +47,14 @@ void each_vertex(const Sand& sand, Visit visit) {
 
 // How far vertices are beyond the bucket at most, of those below its rim.
 float beyond_bucket(const Sand& sand, float wall, float height, float turn) {
-  float most = -1;
+  float beyond_max = -1;
   const float c = std::cos(turn), s = std::sin(turn);
   each_vertex(sand, [&](const float* p) {
     if (p[1] > height + k_rim) return;
-    most = std::max({most, std::fabs(c * p[0] - s * p[2]) - k_half - wall,
-                     std::fabs(s * p[0] + c * p[2]) - k_half - wall, height - wall - p[1]});
+    beyond_max = std::max({beyond_max, std::fabs(c * p[0] - s * p[2]) - k_half - wall,
+                           std::fabs(s * p[0] + c * p[2]) - k_half - wall, height - wall - p[1]});
   });
-  return most;
+  return beyond_max;
 }
 
 // A wall of one spacing of nodes, 1.5 radii, lets nothing through, a thinner one no more than a radius; whatever it is made
@@ -96,12 +96,12 @@ TEST(SkinWalls, NothingStandsBehindADam) {
     sand.scene.colliders.push_back(dam);
     sand.scene.add(shifted(block(8, 8, 9), 0.1f, 0, -0.1f));
     sand.until_rested();
-    float least = 1;
+    float lowest = 1;
     each_vertex(sand, [&](const float* p) {
-      least = std::min(least, std::cos(0.35f) * p[0] + std::sin(0.35f) * (p[1] - 0.2f) + wall / 2);
+      lowest = std::min(lowest, std::cos(0.35f) * p[0] + std::sin(0.35f) * (p[1] - 0.2f) + wall / 2);
     });
-    EXPECT_GE(least, wall >= 1.5f * k_radius ? 0.0f : -k_radius) << wall;
-    EXPECT_LT(least, 0.05f);  // it is there
+    EXPECT_GE(lowest, wall >= 1.5f * k_radius ? 0.0f : -k_radius) << wall;
+    EXPECT_LT(lowest, 0.05f);  // it is there
   }
 }
 
