@@ -55,7 +55,7 @@ struct Outcome {
   uint64_t faults = 0;
   uint64_t false_faults = 0;
   // The least time of an undisturbed frame. The first frame does not count, because it knows no costs.
-  uint64_t least_used_ns = ~0ull;
+  uint64_t used_ns_min = ~0ull;
   uint64_t under_used = 0;          // undisturbed frames that used less than 90 % of the budget
   uint64_t longest_under_used = 0;  // the most such frames in a row
   uint64_t plan_hash = 0;
@@ -109,17 +109,17 @@ Outcome run_case(const Case& which) {
     governor_frame(&run.governor, run.stages, 3, k_budget_ns, nullptr, &run.report);
 
     const uint64_t bound = std::max(report.time.budget_ns, report.time.mandatory_ns);
-    const uint64_t one_unit = report.time.last_unit_ns - governor.closing_excess_ns;
+    const uint64_t unit_ns = report.time.last_unit_ns - governor.closing_excess_ns;
     const uint64_t true_elapsed = scene.true_ns - scene.frame_start_ns;
     outcome.law_broken += report.time.elapsed_ns > bound + report.time.last_unit_ns;
     outcome.law_broken_strict +=
-        !scene.output_disturbed && !scene.unforeseeable && report.time.elapsed_ns > bound + one_unit;
+        !scene.output_disturbed && !scene.unforeseeable && report.time.elapsed_ns > bound + unit_ns;
     outcome.excess_frames += governor.closing_excess_ns > 0;
     outcome.over_budget += report.time.elapsed_ns > report.time.budget_ns;
     if (!which.clock_lies) {
       const uint64_t closing_undisturbed = k_output_units * (k_cost_ns[k_output] * scene.scale_percent / 100);
       const bool last_unit_real =
-          one_unit == scene.last_cost[0] || one_unit == scene.last_cost[1] || one_unit == scene.last_cost[2];
+          unit_ns == scene.last_cost[0] || unit_ns == scene.last_cost[1] || unit_ns == scene.last_cost[2];
       outcome.ledger_differs += report.time.elapsed_ns != true_elapsed || !last_unit_real;
       // The disturbance alone makes the excess. The reserve was never too small from the start. (In the first frame
       // the reserve is not known yet.)
@@ -136,7 +136,7 @@ Outcome run_case(const Case& which) {
 
     since_disturbance = scene.disturbed ? 0 : since_disturbance + 1;
     if (!scene.disturbed && frame > 0) {
-      outcome.least_used_ns = std::min(outcome.least_used_ns, true_elapsed);
+      outcome.used_ns_min = std::min(outcome.used_ns_min, true_elapsed);
       const bool under_used = true_elapsed * 10 < k_budget_ns * 9;
       outcome.under_used += under_used;
       under_used_in_a_row = under_used ? under_used_in_a_row + 1 : 0;
@@ -176,7 +176,7 @@ TEST(Budget, ConstantCostNeverOverrunsAndFillsTheBudget) {
   const Outcome outcome = run_lawful({});
   EXPECT_EQ(outcome.over_budget, 0u);
   EXPECT_EQ(outcome.excess_frames, 0u);
-  EXPECT_GE(outcome.least_used_ns * 10, k_budget_ns * 9);
+  EXPECT_GE(outcome.used_ns_min * 10, k_budget_ns * 9);
 }
 
 TEST(Budget, OnePercentOfUnitsTenTimesAsLong) {
@@ -194,7 +194,7 @@ TEST(Budget, OnePercentOfUnitsTenTimesAsLong) {
 }
 
 // Makes one work unit slow in every 97th frame. The kinds of work unit take turns.
-uint64_t preempt_one(FakeScene* scene, Kind kind, uint64_t undisturbed) {
+uint64_t preempt(FakeScene* scene, Kind kind, uint64_t undisturbed) {
   uint64_t* pending = static_cast<uint64_t*>(scene->user);  // 1 + the kind to hit
   if (*pending != 1ull + kind) return undisturbed;
   *pending = 0;
@@ -210,7 +210,7 @@ TEST(Budget, OneUnitAThousandTimesAsLong) {
   uint64_t pending = 0;
   Case which;
   which.prepare = prepare_preemption;
-  which.cost = preempt_one;
+  which.cost = preempt;
   which.user = &pending;
   const Outcome outcome = run_lawful(which);
   EXPECT_LE(outcome.over_budget, outcome.frames / 97 + 1);  // the preempted frames and no others
@@ -319,7 +319,7 @@ TEST(Budget, AMaximumOfRecentCostsStarvesAStageForEver) {
   which.prepare = [](FakeScene* scene, uint64_t frame) {
     if (frame == 50) *static_cast<uint64_t*>(scene->user) = 1 + k_refine;
   };
-  which.cost = preempt_one;
+  which.cost = preempt;
   which.user = &pending;
   EXPECT_EQ(run_case(which).below_baseline, 0u);  // the real predictor recovers
   pending = 0;

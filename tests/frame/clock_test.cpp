@@ -46,7 +46,7 @@ struct Noise {
 // as much by heat, and down again.
 enum class Clock { steady, spans_of_2s, spans_of_quarter, slow_frames, cold, heat };
 // The governor learns costs; is told the clock's speed in each frame; or takes the first second's for granted.
-enum class Speed { learned, told, assumed };
+enum class Speed { learned, given, assumed };
 
 struct Case {
   Clock clock;
@@ -81,9 +81,9 @@ class Jerk {
     for (size_t i = 0; i < now.size() && !before_.empty(); ++i) {
       if (!(now[i].speed > 0.05f)) continue;
       for (int k = 0; k < 3; ++k) {
-        const double one = static_cast<double>(now[i].position[k]) - static_cast<double>(last_[i].position[k]);
-        const double other = static_cast<double>(last_[i].position[k]) - static_cast<double>(before_[i].position[k]);
-        squares_ += (one - other) * (one - other);
+        const double newer = static_cast<double>(now[i].position[k]) - static_cast<double>(last_[i].position[k]);
+        const double older = static_cast<double>(last_[i].position[k]) - static_cast<double>(before_[i].position[k]);
+        squares_ += (newer - older) * (newer - older);
       }
       ++count_;
     }
@@ -150,7 +150,7 @@ struct Phone {
     if (run.clock == Clock::slow_frames) frame_factor = frames.uniform() < 0.05 ? 4 : 1;
     if (run.clock == Clock::cold) frame_factor = frame < 10 ? 3 : 1;
     for (Governor::Kind& kind : governor->kinds) {
-      if (run.speed == Speed::told) scale(&kind, factor() / known_factor);
+      if (run.speed == Speed::given) scale(&kind, factor() / known_factor);
       if (run.speed == Speed::assumed && frame == 100) assumed.push_back(kind);
     }
     known_factor = factor();
@@ -379,9 +379,9 @@ TEST(UnsteadyClock, ALevelThatIsTakenAtOnceFlickers) {
 TEST(UnsteadyClock, NoTimeIsLostThatAToldGovernorWouldKeep) {
   if (!k_runs) GTEST_SKIP();
   for (const Clock clock : {Clock::spans_of_2s, Clock::spans_of_quarter}) {
-    const double learned = see({clock, 4, 4}).lost_percent, told = see({clock, 4, 4, k_x3, Speed::told}).lost_percent;
-    std::printf("lost %.2f %%, told %.2f\n", learned, told);
-    EXPECT_LE(learned, told + 2);
+    const double learned = see({clock, 4, 4}).lost_percent, given = see({clock, 4, 4, k_x3, Speed::given}).lost_percent;
+    std::printf("lost %.2f %%, told %.2f\n", learned, given);
+    EXPECT_LE(learned, given + 2);
   }
   EXPECT_LE(see({Clock::spans_of_2s, 4, 4}).late_percent, 1);
   EXPECT_GE(see({Clock::spans_of_2s, 4, 4, k_x3, Speed::assumed}).late_percent, 10) << "the control";

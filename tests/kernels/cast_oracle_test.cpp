@@ -30,13 +30,13 @@ std::optional<bool> is_hidden(const std::vector<float> (&corners)[9], uint32_t n
     }
     const double area = (p[1][0] - p[0][0]) * (p[2][1] - p[0][1]) - (p[2][0] - p[0][0]) * (p[1][1] - p[0][1]);
     if (closed && area > 1e-3) continue;
-    double least = 1e9;  // the distance of the middle from the edges, inwards
+    double inwards = 1e9;  // the distance of the middle from the edges, inwards
     for (uint32_t e = 0; e < 3; ++e) {
       const double *a = p[e], *b = p[(e + 1) % 3], cross = a[0] * b[1] - a[1] * b[0];
-      least = std::min(least, (area < 0 ? -cross : cross) / std::hypot(b[0] - a[0], b[1] - a[1]));
+      inwards = std::min(inwards, (area < 0 ? -cross : cross) / std::hypot(b[0] - a[0], b[1] - a[1]));
     }
-    if (least > 1e-4) return true;
-    near_edge = near_edge || std::fabs(least) <= 1e-4 || std::fabs(area) <= 1e-3;
+    if (inwards > 1e-4) return true;
+    near_edge = near_edge || std::fabs(inwards) <= 1e-4 || std::fabs(area) <= 1e-3;
   }
   return near_edge ? std::nullopt : std::optional(false);
 }
@@ -140,13 +140,13 @@ void check_cast_calm(uint32_t n) {
       args.row = row.data();
       run(kernels.cast_calm, args, padded);
       for (uint32_t i = 0; i < n; ++i) {
-        double least = 1e9, most = -1e9, all = 0;
+        double lowest = 1e9, highest = -1e9, all = 0;
         for (uint32_t k = 0; k < rows; ++k) {
-          least = std::min(least, static_cast<double>(low[k][i]));
-          most = std::max(most, static_cast<double>(high[k][i]));
+          lowest = std::min(lowest, static_cast<double>(low[k][i]));
+          highest = std::max(highest, static_cast<double>(high[k][i]));
           all += static_cast<double>(sum[k][i]);
         }
-        const double share = std::clamp(2 - (most - least) / 4, 0.0, 1.0), x = static_cast<double>(before[i]);
+        const double share = std::clamp(2 - (highest - lowest) / 4, 0.0, 1.0), x = static_cast<double>(before[i]);
         ASSERT_NEAR(row[i], x + share * (all / (rows * rows) - x), 1e-5);
       }
       row.resize(n);

@@ -38,7 +38,7 @@ std::vector<uint32_t> all_groups(const Cluster& cluster) {
 
 // How a pass ends: on one floor.
 CompleteArgs ending(const Cluster& cluster, const std::vector<uint32_t>& groups, const ColliderFrame* floor,
-                    float most) {
+                    float displacement_max) {
   CompleteArgs end = {};
   end.groups = groups.data();
   end.particle_count = cluster.count;
@@ -46,7 +46,7 @@ CompleteArgs ending(const Cluster& cluster, const std::vector<uint32_t>& groups,
   end.static_friction = static_cast<float>(k_static);
   end.kinetic_friction = static_cast<float>(k_kinetic);
   end.step = static_cast<float>(k_step);
-  end.displacement_max = most;
+  end.displacement_max = displacement_max;
   end.leave_max = static_cast<float>(k_leave);
   end.colliders = floor;
   end.collider_count = 1;
@@ -247,8 +247,8 @@ void check_contact_pairs(uint32_t n) {
       second[q] = fixed ? cluster.rows + q : 2 * q + 1;
       // Two of three pairs touch. All have displacements as large as those of a sub-step.
       Particle &a = cluster.records[first[q]], &b = cluster.records[second[q]];
-      const Vector way = {unit(random), unit(random), unit(random)};
-      set(b.position, at(a.position) + ((q % 3 == 0 ? 0.021 : 0.0195) / length(way)) * way);
+      const Vector direction = {unit(random), unit(random), unit(random)};
+      set(b.position, at(a.position) + ((q % 3 == 0 ? 0.021 : 0.0195) / length(direction)) * direction);
       set(a.velocity, 1e-4 * Vector{unit(random), unit(random), unit(random)});
       if (!fixed) set(b.velocity, 1e-4 * Vector{unit(random), unit(random), unit(random)});
     }
@@ -296,7 +296,7 @@ void check_contact_pairs(uint32_t n) {
 }
 
 void check_complete_motion(uint32_t n) {
-  constexpr double k_most = 2e-4;
+  constexpr double k_displacement_max = 2e-4;
   Cluster cluster(n, 0, 0.6, 37);
   mix(&cluster);
   for (uint32_t i = 0; i < n; ++i) {
@@ -306,7 +306,7 @@ void check_complete_motion(uint32_t n) {
   // It takes some of the particles by a little, so that it does not drive them beyond the limit.
   const ColliderFrame floor = upright(SANDGLASS_SHAPE_HALF_SPACE, {0, -0.5 * cluster.side, 0});
   const std::vector<uint32_t> groups = all_groups(cluster);
-  CompleteArgs args = ending(cluster, groups, &floor, static_cast<float>(k_most));
+  CompleteArgs args = ending(cluster, groups, &floor, static_cast<float>(k_displacement_max));
   args.departed = n % 2 == 0 ? 1 : 0;
   on_every_table([&](const Kernels& kernels, SameBits& same) {
     std::vector<Particle> all = cluster.records;
@@ -323,7 +323,7 @@ void check_complete_motion(uint32_t n) {
         move = out_of_floor(move, inside);
       }
       const bool departed = args.departed != 0 && has_departed(before);
-      if (length(move) > k_most && !departed) move = (k_most / length(move)) * move;
+      if (length(move) > k_displacement_max && !departed) move = (k_displacement_max / length(move)) * move;
       ASSERT_LT(length(at(all[i].position) - (at(before.position) + move)), 1e-8);
       ASSERT_LT(length(at(all[i].velocity) - (1 / k_step) * move), 1e-4);
       if (!departed) fastest = std::max(fastest, length(at(all[i].velocity)));

@@ -109,11 +109,11 @@ void sandglass::tests::check_scatter_motion(uint32_t n) {
         ASSERT_LT(length(at(record + k_node_momentum) - node.momentum), 2e-5);
         if (node.largest > 1e-6) {
           // Another particle may be as near.
-          const double d = length(origin + at(record + k_node_nearest) - x), least = length(node.nearest - x);
-          ASSERT_NEAR(d, least, 1e-6) << r;
+          const double d = length(origin + at(record + k_node_nearest) - x), nearest = length(node.nearest - x);
+          ASSERT_NEAR(d, nearest, 1e-6) << r;
           const Particle& named = sand.records[static_cast<uint32_t>(record[k_node_number])];
           const Vector start = at(named.position) - 0.02 * at(named.velocity);
-          ASSERT_NEAR(length(start - x), least, 1e-6) << r;
+          ASSERT_NEAR(length(start - x), nearest, 1e-6) << r;
         }
         if (place[0] < 4 && place[1] < 4 && place[2] < 4) added += static_cast<double>(record[k_node_weight]);
       }
@@ -127,8 +127,8 @@ void sandglass::tests::check_scatter_motion(uint32_t n) {
       for (int z = low(q.z); z < low(q.z) + 5; ++z)
         for (int y = low(q.y); y < low(q.y) + 5; ++y)
           for (int x = low(q.x); x < low(q.x) + 5; ++x) {
-            const Vector apart = Vector{0.015 * x, 0.015 * y, 0.015 * z} - q;
-            expected += 1.728 * std::pow(std::max(0.0, 1 - dot(apart, apart) / 6.25e-4), 3);
+            const Vector offset = Vector{0.015 * x, 0.015 * y, 0.015 * z} - q;
+            expected += 1.728 * std::pow(std::max(0.0, 1 - dot(offset, offset) / 6.25e-4), 3);
           }
     }
     ASSERT_NEAR(added, expected, 1e-4 * n);
@@ -324,9 +324,9 @@ Sums sums_of_nodes(const Cluster& particles, Vector x) {
   for (int c = 0; c < 8; ++c) {
     const Vector corner =
         origin + Vector{0.015 * (cell[0] + (c & 1)), 0.015 * (cell[1] + (c >> 1 & 1)), 0.015 * (cell[2] + (c >> 2))};
-    const Vector apart = corner - x;
+    const Vector offset = corner - x;
     const double share =
-        (1 - std::abs(apart.x) / 0.015) * (1 - std::abs(apart.y) / 0.015) * (1 - std::abs(apart.z) / 0.015);
+        (1 - std::abs(offset.x) / 0.015) * (1 - std::abs(offset.y) / 0.015) * (1 - std::abs(offset.z) / 0.015);
     const Node node(particles, corner);
     s.weight += share * node.weight;
     s.flow = s.flow + share * node.momentum;
@@ -369,8 +369,8 @@ Vector push_at(const RefineArgs& args, const Sums& s, Vector x) {
                                      (2 * side[2] - 1) * share[0] * share[1]};
   }
   Vector push = (-static_cast<double>(args.push) / std::max(value, 1.0)) * slope;
-  const double most = static_cast<double>(args.push_max), reach = static_cast<double>(args.push_reach);
-  if (length(push) > most) push = (most / length(push)) * push;
+  const double push_max = static_cast<double>(args.push_max), reach = static_cast<double>(args.push_reach);
+  if (length(push) > push_max) push = (push_max / length(push)) * push;
   const double lone = s.weight > 0 ? (1 - fade(s.largest / s.weight, 0.6, 0.8)) * (1 - fade(s.weight, 0, 0.02)) : 0;
   return std::max({1 - fade(s.weight, 1.6, 2), fade(s.nearest2 / (reach * reach), 0.7, 1.3), lone}) * push;
 }

@@ -114,8 +114,8 @@ inline void mix(Cluster* c) {
 }
 
 inline double distance(const Particle& a, const Particle& b) {
-  const Vector apart = at(a.position) - at(b.position);
-  return std::hypot(apart.x, apart.y, apart.z);
+  const Vector offset = at(a.position) - at(b.position);
+  return std::hypot(offset.x, offset.y, offset.z);
 }
 
 // A collider that is not turned.

@@ -62,9 +62,9 @@ TEST(Whole, BoundsEverySpecialValueAlikeOnEveryProcessor) {
 }
 
 TEST(Whole, FloorsLeaveRoomForTheNumbersBeside) {
-  const float most = std::ldexp(1.0f, 29);
+  const float whole_max = std::ldexp(1.0f, 29);
   for (const float value : special_values<float>()) {
-    const float bounded = std::isnan(value) ? -most : std::clamp(std::floor(value), -most, most);
+    const float bounded = std::isnan(value) ? -whole_max : std::clamp(std::floor(value), -whole_max, whole_max);
     const volatile float unknown = value;
     EXPECT_EQ(floor_whole(unknown), static_cast<int32_t>(bounded)) << value;
   }

@@ -160,16 +160,16 @@ TEST(Geodesic, ends_where_many_triangles_share_their_edges) {
     double over = 1e9;
     for (int edge = 0; edge < 3; ++edge) {
       const double *a = k_corners[edge], *b = k_corners[edge + 1];
-      const auto way = [&](double t) {
+      const auto length = [&](double t) {
         const double x = a[0] + t * (b[0] - a[0]), y = a[1] + t * (b[1] - a[1]);
         return std::hypot(p[0] - x, p[1] - y) + std::hypot(q[0] - x, q[1] - y);
       };
       double low = 0, high = 1;
       for (int step = 0; step < 80; ++step) {
         const double left = low + (high - low) / 3, right = high - (high - low) / 3;
-        (way(left) < way(right) ? high : low) = way(left) < way(right) ? right : left;
+        (length(left) < length(right) ? high : low) = length(left) < length(right) ? right : left;
       }
-      over = std::min(over, way(low));
+      over = std::min(over, length(low));
     }
     const double straight = std::hypot(p[0] - q[0], p[1] - q[1]);
     ASSERT_LT(std::min(std::fabs(found - straight), std::fabs(found - over)), 1e-6);
@@ -184,15 +184,15 @@ TEST(Geodesic, sampling_keeps_the_two_sides_of_a_thin_sheet_apart) {
   desc.metric = SANDGLASS_METRIC_GEODESIC;
   const Points geodesic = sample_surface(sheet, distance, desc);
 
-  double least = 1;
+  double unrolled_min = 1;
   for (size_t i = 0; i < geodesic.size(); i += 3)
     for (size_t j = 0; j < i; j += 3) {
       const auto a = unrolled(&geodesic[i]), b = unrolled(&geodesic[j]);
-      least = std::min(least, std::hypot(a[0] - b[0], a[1] - b[1]));
+      unrolled_min = std::min(unrolled_min, std::hypot(a[0] - b[0], a[1] - b[1]));
     }
-  EXPECT_GT(least, distance - 1e-6);
-  EXPECT_LT(least_distance(geodesic, distance), 0.6 * static_cast<double>(distance));  // across the gap
-  EXPECT_GE(least_distance(euclidean, distance), static_cast<double>(distance));
+  EXPECT_GT(unrolled_min, distance - 1e-6);
+  EXPECT_LT(distance_min(geodesic, distance), 0.6 * static_cast<double>(distance));  // across the gap
+  EXPECT_GE(distance_min(euclidean, distance), static_cast<double>(distance));
   // Euclidean distance lets each side block most of the other: the geodesic set is that of a sheet twice as large.
   EXPECT_GT(static_cast<double>(geodesic.size()), 1.4 * static_cast<double>(euclidean.size()));
 

@@ -16,9 +16,9 @@ constexpr int k_arguments = 200000;
 template <class Error>
 double worst(uint64_t stream, const Error& error) {
   Random random = random_stream(stream, 0);
-  double most = 0;
-  for (int i = 0; i < k_arguments; ++i) most = std::max(most, static_cast<double>(std::fabs(error(&random))));
-  return most;
+  double error_max = 0;
+  for (int i = 0; i < k_arguments; ++i) error_max = std::max(error_max, static_cast<double>(std::fabs(error(&random))));
+  return error_max;
 }
 
 TEST(Math, sine_and_cosine_stay_within_their_bound) {

@@ -184,25 +184,25 @@ TEST(Arguments, every_field_out_of_range_is_refused) {
 }
 
 TEST(Arguments, progress_is_told_and_never_beyond_the_total) {
-  struct Told {
+  struct Progress {
     int calls = 0;
     uint64_t last = 0;
     bool ordered = true;
-  } told;
+  } progress;
   sandglass_sample_desc desc = desc_with_seed(1);
-  desc.progress_user = &told;
+  desc.progress_user = &progress;
   desc.progress = [](void* user, uint64_t done, uint64_t total) {
-    auto* t = static_cast<Told*>(user);
+    auto* t = static_cast<Progress*>(user);
     t->ordered = t->ordered && done >= t->last && (total == 0 || done <= total);
     t->last = done;
     ++t->calls;
   };
   for (const bool surface : {true, false}) {
-    told = {};
+    progress = {};
     if (surface) sample_surface(ball(), 0.02f, desc);
     else sample_volume(k_unit_box, 0.05f, everywhere, desc);
-    EXPECT_GT(told.calls, 1);
-    EXPECT_TRUE(told.ordered);
+    EXPECT_GT(progress.calls, 1);
+    EXPECT_TRUE(progress.ordered);
   }
 }
 

@@ -55,7 +55,7 @@ std::array<double, 3> knot(double t) {
   return {(std::sin(t) + 2 * std::sin(2 * t)) / 30, (std::cos(t) - 2 * std::cos(2 * t)) / 30, -std::sin(3 * t) / 30};
 }
 
-double apart(const std::array<double, 3>& a, const std::array<double, 3>& b) {
+double distance(const std::array<double, 3>& a, const std::array<double, 3>& b) {
   return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
 }
 
@@ -69,7 +69,7 @@ TEST(Generated, have_the_volumes_of_their_shapes) {
   // Pappus: the tube's cross-section times the knot's length, here summed in double.
   double length = 0;
   const int steps = 20000;
-  for (int i = 0; i < steps; ++i) length += apart(knot(2 * k_pi * i / steps), knot(2 * k_pi * (i + 1) / steps));
+  for (int i = 0; i < steps; ++i) length += distance(knot(2 * k_pi * i / steps), knot(2 * k_pi * (i + 1) / steps));
   EXPECT_NEAR(host::signed_volume(host::make_trefoil()) / (length * k_pi * 0.018 * 0.018), 1,
               std::pow(2 * k_pi / 32, 2) / 3);
 }
@@ -92,14 +92,14 @@ TEST(Generated, revolved_ones_have_the_volumes_of_their_frusta) {
 
 TEST(Generated, hourglass_outline_lies_on_its_radius_and_mirrors) {
   const host::Profile profile = host::hourglass_profile(0.3, 0.08, 0.02, 20);
-  double least = 1;
+  double lowest = 1;
   for (size_t i = 1; i + 1 < profile.size(); ++i) {
     const auto [r, y] = profile[i];
     EXPECT_NEAR(host::hourglass_radius(0.3, 0.08, 0.02, y), r, 1e-6);
     EXPECT_NEAR(profile[profile.size() - 1 - i][1], 0.3 - y, 1e-12);
-    least = std::min(least, r);
+    lowest = std::min(lowest, r);
   }
-  EXPECT_EQ(least, 0.02);
+  EXPECT_EQ(lowest, 0.02);
   EXPECT_EQ(host::hourglass_radius(0.3, 0.08, 0.02, 0.31), 0);
 }
 

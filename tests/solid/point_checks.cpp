@@ -93,16 +93,16 @@ int PointLookup::count_within(const float place[3], double reach) const {
   return count;
 }
 
-double least_distance(const Points& points, double expected) {
+double distance_min(const Points& points, double expected) {
   const PointLookup lookup(points, 1.01 * expected);
-  double least = std::numeric_limits<double>::infinity();
+  double nearest = std::numeric_limits<double>::infinity();
   for (size_t i = 0; i < points.size(); i += 3) {
     // The point itself is found at distance 0, so a second one must be within reach.
     if (lookup.count_within(&points[i], 1.01 * expected) < 2) continue;
     for (size_t j = 0; j < points.size(); j += 3)
-      if (j != i) least = std::min(least, distance_between(&points[i], &points[j]));
+      if (j != i) nearest = std::min(nearest, distance_between(&points[i], &points[j]));
   }
-  return least;
+  return nearest;
 }
 
 double uniformity_gap(std::vector<double> values) {

@@ -33,7 +33,7 @@ constexpr sandglass::Box k_unit_box = {{0, 0, 0}, {1, 1, 1}};
 
 double distance_between(const float a[3], const float b[3]);
 // The least distance between two points of the set.
-double least_distance(const Points& points, double expected);
+double distance_min(const Points& points, double expected);
 // Points sorted into cubes, to find out whether one lies within `reach` (at most the cube's edge) of a place.
 class PointLookup {
  public:

@@ -37,7 +37,7 @@ TEST(Surface, keeps_the_least_distance_and_is_maximal) {
   const float distance = 0.006f;
   for (uint64_t seed : {1ull, 2ull, 12345678901234567ull}) {
     const Points samples = sample_surface(mesh, distance, desc_with_seed(seed));
-    EXPECT_GE(least_distance(samples, distance), static_cast<double>(distance));
+    EXPECT_GE(distance_min(samples, distance), static_cast<double>(distance));
     expect_maximal(samples, candidates_of(mesh, distance, seed), distance);
   }
 }
@@ -57,7 +57,7 @@ TEST(Surface, reaches_parts_further_apart_than_two_distances) {
   for (size_t i = 0; i < samples.size(); i += 3) (samples[i] < 0 ? left : right) += 1;
   // Two equal boxes: their counts differ by chance only, by a few per cent of about 170.
   EXPECT_NEAR(static_cast<double>(left) / static_cast<double>(right), 1, 0.2);
-  EXPECT_GE(least_distance(samples, distance), static_cast<double>(distance));
+  EXPECT_GE(distance_min(samples, distance), static_cast<double>(distance));
   expect_maximal(samples, candidates_of(legs, distance, 3), distance);
 }
 

@@ -62,7 +62,7 @@ Inside inside_balls(const Balls& balls) {
 // closer than the distance.
 void expect_maximal(const Points& samples, const sandglass::Box& box, float distance, uint64_t seed,
                     const Inside& inside) {
-  EXPECT_GE(least_distance(samples, distance), static_cast<double>(distance));
+  EXPECT_GE(distance_min(samples, distance), static_cast<double>(distance));
   for (size_t i = 0; i < samples.size(); i += 3) ASSERT_TRUE(inside(&samples[i]));
   CellGrid grid;
   ASSERT_TRUE(make_cell_grid(box.min, box.max, distance, &grid));
