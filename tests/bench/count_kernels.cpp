@@ -64,8 +64,8 @@ struct Pile {
       for (uint32_t j = 0; j < k_items && counts[i] < k_list_slots; ++j) {
         float squared = 0;
         for (int k = 0; k < 3; ++k) {
-          const float apart = records[i].position[k] - records[j].position[k];
-          squared += apart * apart;
+          const float difference = records[i].position[k] - records[j].position[k];
+          squared += difference * difference;
         }
         if (j != i && squared < reach * reach) lists[i * k_list_slots + counts[i]++] = j;
       }

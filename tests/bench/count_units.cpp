@@ -100,16 +100,16 @@ bool count_carry(std::vector<Lap>* laps) {
   input.grain_capacity = desc.granular.grain_capacity;
   for (int frame = 0; frame < k_settling_frames + 2 * k_counted_frames; ++frame) {
     const int moved = std::max(frame - k_settling_frames, 0);
-    const float way = 0.005f * static_cast<float>(std::min(moved, k_counted_frames)), speed = moved != 0 ? 0.3f : 0.0f;
-    const float through = 0.005f * static_cast<float>(moved) - way;
+    const float path = 0.005f * static_cast<float>(std::min(moved, k_counted_frames)), speed = moved != 0 ? 0.3f : 0.0f;
+    const float through = 0.005f * static_cast<float>(moved) - path;
     for (int i = 0; i < 5; ++i) {
       const float* s = sides[i];
-      colliders[i] = sandglass::box(s[0] + way, s[1] + way, s[2], s[3], s[4], s[5]);
+      colliders[i] = sandglass::box(s[0] + path, s[1] + path, s[2], s[3], s[4], s[5]);
       colliders[i].linear_velocity[0] = colliders[i].linear_velocity[1] = speed;
     }
     if (moved > k_counted_frames) {
-      colliders[0] = sandglass::floor_at(way);
-      colliders[1] = sandglass::sphere(way + through - 0.06f, way + 0.04f, 0.0f, 0.03f);
+      colliders[0] = sandglass::floor_at(path);
+      colliders[1] = sandglass::sphere(path + through - 0.06f, path + 0.04f, 0.0f, 0.03f);
       colliders[1].linear_velocity[0] = speed;
     }
     input.collider_count = moved > k_counted_frames ? 2 : 5;

@@ -239,35 +239,35 @@ Law run(uint64_t budget_ns, bool control, UnitClock* units = nullptr) {
 // it. Where the machine is more than a third slower than the development machine, no more is asked than the work
 // units' own clock reaches that runs as much slower, and half as much again: a busy machine takes more of sand,
 // which lives in memory, than of light.
-struct Least {
+struct Bounds {
   double last_debt, debt;
   int textures, first_light;
 };
 
-Least on_this_machine(uint64_t budget_ns, const Least& least, double slowness) {
+Bounds on_this_machine(uint64_t budget_ns, const Bounds& bounds, double slowness) {
   UnitClock slow;
   slow.scale = 1.5 * slowness;
-  if (slow.scale <= 2) return least;
+  if (slow.scale <= 2) return bounds;
   const Law law = run(budget_ns, false, &slow);
-  return {std::max(least.last_debt, law.last_debt), std::max(least.debt, law.debt),
-          std::min(least.textures, law.textures), std::max(least.first_light, law.first_light)};
+  return {std::max(bounds.last_debt, law.last_debt), std::max(bounds.debt, law.debt),
+          std::min(bounds.textures, law.textures), std::max(bounds.first_light, law.first_light)};
 }
 
-void expect_law(uint64_t budget_ns, const Least& asked) {
+void expect_law(uint64_t budget_ns, const Bounds& asked) {
   Law law;
-  Least least = asked;
+  Bounds bounds = asked;
   sandglass::test::expect_law_on_a_shared_machine([&](bool control) {
     law = run(budget_ns, control);
-    least = on_this_machine(budget_ns, asked, law.slowness);
-    law.frames.held = !k_as_it_ships || (law.last_debt <= least.last_debt && law.debt <= least.debt &&
-                                         law.textures >= least.textures && law.first_light <= least.first_light);
+    bounds = on_this_machine(budget_ns, asked, law.slowness);
+    law.frames.held = !k_as_it_ships || (law.last_debt <= bounds.last_debt && law.debt <= bounds.debt &&
+                                         law.textures >= bounds.textures && law.first_light <= bounds.first_light);
     return law.frames;
   });
   if (!k_as_it_ships) return;
-  EXPECT_LE(law.last_debt, least.last_debt) << "on a machine " << law.slowness << " times as slow";
-  EXPECT_LE(law.debt, least.debt);
-  EXPECT_GE(law.textures, least.textures);
-  EXPECT_LE(law.first_light, least.first_light);
+  EXPECT_LE(law.last_debt, bounds.last_debt) << "on a machine " << law.slowness << " times as slow";
+  EXPECT_LE(law.debt, bounds.debt);
+  EXPECT_GE(law.textures, bounds.textures);
+  EXPECT_LE(law.first_light, bounds.first_light);
 }
 
 // Time debt is paid back while it is less than two frames. The library gives up more than that.
@@ -357,13 +357,13 @@ TEST(ShotBudget, WhatIsLeftOutIsGone) {
   struct Part {
     uint32_t stage_bit;
     const char* word;
-    uint64_t least_bytes;
+    uint64_t bytes_min;
   };
   // The planes of an estimate; two textures of 64 KiB; two of 16 KiB and one of 4, twice each; the grains.
   auto with = units_of(k_all);
   for (const Part part : {Part{k_light, "light", 1 << 20}, Part{k_shadow, "shadow", 2 << 16},
                           Part{k_pile, "pile_shadow", (4 << 14) + (4 << 12)}, Part{k_grains, "refine", 24000 * 32}}) {
-    EXPECT_GE(all.bytes, Everything(k_all & ~part.stage_bit).bytes + part.least_bytes) << part.word;
+    EXPECT_GE(all.bytes, Everything(k_all & ~part.stage_bit).bytes + part.bytes_min) << part.word;
     auto without = units_of(k_all & ~part.stage_bit);
     EXPECT_GE(with[part.word], 30u) << part.word;
     EXPECT_EQ(without[part.word], 0u) << part.word;

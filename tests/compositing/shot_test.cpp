@@ -98,11 +98,11 @@ TEST(ShotLight, OfALampIsWhereTheLampIs) {
   EXPECT_GT(dot(mean_direction_of(light), lamp), std::cos(6 * k_pi / 180));
   EXPECT_GT(luminance(shown_by(light, lamp)), 3 * luminance(shown_by(light, lamp * -1.0)));
   // What one light alone gives, by the same harmonics.
-  const ShotLight one = one_light(lamp, 1.0, irradiance_of(light));
+  const ShotLight sun = one_light(lamp, 1.0, irradiance_of(light));
   for (const Vec3 n : {lamp, Vec3{0, 1, 0}, Vec3{1, 0, 0}})
-    EXPECT_NEAR(luminance(main_in_harmonics(one, n)), luminance(shown_by(one, n)),
-                0.01 * luminance(shown_by(one, lamp)));
-  EXPECT_NEAR(luminance(main_by_cosine(one, {0, 1, 0})) * k_pi, luminance(irradiance_of(light)), 1e-5);
+    EXPECT_NEAR(luminance(main_in_harmonics(sun, n)), luminance(shown_by(sun, n)),
+                0.01 * luminance(shown_by(sun, lamp)));
+  EXPECT_NEAR(luminance(main_by_cosine(sun, {0, 1, 0})) * k_pi, luminance(irradiance_of(light)), 1e-5);
 }
 
 TEST(ShotLight, OfAMirroredRoomIsMirrored) {
@@ -451,22 +451,22 @@ TEST(ShotComposite, TheShadowStaysOnTheFloorWhileTheCameraTurns) {
   };
   const auto first = left(cameras[0], main_direction_of(light)), second = left(cameras[1], main_direction_of(light));
   const auto swimming = left(cameras[1], cameras[0].to_scene(cameras[1].to_camera(main_direction_of(light))));
-  double apart = 0, swum = 0, darkest = 1;
+  double difference = 0, swum = 0, darkest = 1;
   int points = 0;
   for (double x = -1.2; x < 0.6; x += 0.02)
     for (double z = -1.0; z < 0.5; z += 0.02) {
       const double a = first(x, z), b = second(x, z), c = swimming(x, z);
       if (a < 0 || b < 0 || a > 0.97) continue;  // not seen by both, or lit
-      apart += std::fabs(a - b);
+      difference += std::fabs(a - b);
       swum += std::fabs(a - c);
       ++points;
       darkest = std::min(darkest, a);
     }
   ASSERT_GT(points, 300);
-  RecordProperty("apart", std::to_string(apart / points));
+  RecordProperty("apart", std::to_string(difference / points));
   RecordProperty("swum", std::to_string(swum / points));
   EXPECT_LT(darkest, 0.6);
-  EXPECT_LT(apart / points, 0.01);
+  EXPECT_LT(difference / points, 0.01);
   EXPECT_GT(swum / points, 0.05);
 }
 

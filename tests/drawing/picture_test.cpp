@@ -82,12 +82,12 @@ TEST(Render, TheShadowFallsAwayFromTheSunAndBeginsAtTheFoot) {
 
 TEST(Render, RepeatsToTheByteOnAnyNumberOfThreads) {
   const Stage stage;
-  RenderOptions one, three;
-  one.width = three.width = 64;
-  one.height = three.height = 48;
-  one.threads = 1;
-  three.threads = 3;
-  EXPECT_EQ(render(stage.view, one).rgb, render(stage.view, three).rgb);
+  RenderOptions one_thread, three_threads;
+  one_thread.width = three_threads.width = 64;
+  one_thread.height = three_threads.height = 48;
+  one_thread.threads = 1;
+  three_threads.threads = 3;
+  EXPECT_EQ(render(stage.view, one_thread).rgb, render(stage.view, three_threads).rgb);
 }
 
 TEST(Render, DrawsEveryColliderWhereItIs) {

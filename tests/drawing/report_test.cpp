@@ -73,7 +73,7 @@ TEST(Report, TellsALateFrameOfTheLibraryFromOneThatTheSystemTook) {
 TEST(Report, APercentileNeedsTenFramesBeyondIt) {
   const struct {
     uint64_t frames;
-    std::vector<std::string> told;
+    std::vector<std::string> given;
   } cases[] = {{11, {}},
                {199, {}},
                {200, {"p95"}},
@@ -82,7 +82,7 @@ TEST(Report, APercentileNeedsTenFramesBeyondIt) {
                {9999, {"p95", "p99"}},
                {10000, {"p95", "p99", "p99.9"}}};
   const std::map<std::string, double> shares = {{"p95", 0.95}, {"p99", 0.99}, {"p99.9", 0.999}};
-  for (const auto& [frames, told] : cases) {
+  for (const auto& [frames, given] : cases) {
     SCOPED_TRACE(frames);
     RunReport run;
     for (uint64_t i = 1; i <= frames; ++i) {
@@ -95,7 +95,7 @@ TEST(Report, APercentileNeedsTenFramesBeyondIt) {
     const std::string head = text.substr(at, text.find('\n', at) - at) + " ";
     for (const auto& [name, share] : shares) {
       SCOPED_TRACE(name);
-      const bool known = std::count(told.begin(), told.end(), name) == 1;
+      const bool known = std::count(given.begin(), given.end(), name) == 1;
       if (known) EXPECT_DOUBLE_EQ(times.at(name), std::ceil(share * static_cast<double>(frames) - 1e-6));
       else EXPECT_TRUE(times.at(name).is_null()) << times;
       EXPECT_EQ(head.find(" " + name + " ") != std::string::npos, known) << head;

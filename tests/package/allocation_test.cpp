@@ -20,8 +20,8 @@ void ignore(void*, const char*) {}
 
 TEST(Allocation, TheCountersCount) {
   sandglass::host::start_counting_allocations();
-  int* volatile one = new int(1);
-  delete one;
+  int* volatile number = new int(1);
+  delete number;
   const uint64_t calls = sandglass::host::stop_counting_allocations();
   EXPECT_EQ(calls, 2u);
 }

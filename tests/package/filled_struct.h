@@ -31,11 +31,11 @@ void expect_filled_within_its_size(Fill&& fill, bool can_refuse) {
   for (uint32_t struct_size = 0; struct_size <= k_longer; ++struct_size) {
     const bool set = struct_size >= 8;
     const Room room = filled(struct_size, set || !can_refuse);
-    uint32_t told;
-    std::memcpy(&told, room.bytes, sizeof told);
+    uint32_t given_size;
+    std::memcpy(&given_size, room.bytes, sizeof given_size);
     const uint32_t written = set ? std::min(struct_size, k_whole) : 0;
-    ASSERT_EQ(told, set ? written : struct_size);
-    for (uint32_t i = sizeof told; i < k_longer; ++i)
+    ASSERT_EQ(given_size, set ? written : struct_size);
+    for (uint32_t i = sizeof given_size; i < k_longer; ++i)
       ASSERT_EQ(room.bytes[i], i < written ? whole.bytes[i] : k_pattern) << "byte " << i << ", room " << struct_size;
   }
 }

@@ -74,13 +74,13 @@ TEST(BoxBody, ItsSpheresTouchAllFacesFromInside) {
     const std::array<float, 3> half = {h, 0.03f, 0.01f};
     const sandglass::BoxBody box = make_box(half, {0, 0, 0}, 1.0f);
     for (size_t k = 0; k < 3; ++k) {
-      float least = 1.0f, most = -1.0f;
+      float lowest = 1.0f, highest = -1.0f;
       for (size_t i = k; i < box.particles.size(); i += 3) {
-        least = std::min(least, box.particles[i] - k_radius);
-        most = std::max(most, box.particles[i] + k_radius);
+        lowest = std::min(lowest, box.particles[i] - k_radius);
+        highest = std::max(highest, box.particles[i] + k_radius);
       }
-      EXPECT_NEAR(least, -half[k], 1e-6f) << h;
-      EXPECT_NEAR(most, half[k], 1e-6f) << h;
+      EXPECT_NEAR(lowest, -half[k], 1e-6f) << h;
+      EXPECT_NEAR(highest, half[k], 1e-6f) << h;
     }
   }
 }
@@ -118,15 +118,15 @@ TEST(BoxBody, TheColliderAtItsPoseFitsItsParticles) {
   std::vector<float> now(box.particles.size());
   sandglass_scene_particles(scene.get(), now.data(), nullptr);
   const float inverse[4] = {-collider.rotation[0], -collider.rotation[1], -collider.rotation[2], collider.rotation[3]};
-  double most[3] = {};
+  double extent[3] = {};
   for (size_t i = 0; i < now.size(); i += 3) {
     const float offset[3] = {now[i] - collider.position[0], now[i + 1] - collider.position[1],
                              now[i + 2] - collider.position[2]};
     double own[3];
     turned(inverse, offset, own);
-    for (int k = 0; k < 3; ++k) most[k] = std::max(most[k], std::fabs(own[k]) + k_radius);
+    for (int k = 0; k < 3; ++k) extent[k] = std::max(extent[k], std::fabs(own[k]) + k_radius);
   }
-  for (int k = 0; k < 3; ++k) EXPECT_NEAR(most[k], half[k], 2e-6) << k;
+  for (int k = 0; k < 3; ++k) EXPECT_NEAR(extent[k], half[k], 2e-6) << k;
 }
 
 TEST(BoxBody, ABoxThatHoldsNoParticleOrTooManyIsRefused) {

@@ -287,12 +287,12 @@ TEST_F(Cli, BakesAndInspectsAShadow) {
   for (const char* name : {"whole_textures", "rmse_occlusion"})
     EXPECT_NE(read("x.json").find(name), std::string::npos) << name;
   EXPECT_EQ(read("x.shadow.png").substr(1, 3), "PNG");
-  const std::string told = done("inspect x.shadow").out;
+  const std::string output = done("inspect x.shadow").out;
   for (const char* line :
        {"baked shadow, version 2", "24 components of 16 x 16 texels, 3.6 m a side", "surface      2381 points",
         "8 neurons x (1 + 2) hidden layers, 136 MAC a texel", "20 degrees wide, up to 70 degrees from the zenith",
         "fitted to the light", "over 4 unseen lights", "float copy   no"})
-    EXPECT_NE(told.find(line), std::string::npos) << line << "\n" << told;
+    EXPECT_NE(output.find(line), std::string::npos) << line << "\n" << output;
   write("cut.shadow", read("x.shadow").substr(0, 1000));
   expect_refused("inspect cut.shadow", "cut.shadow");
 }
@@ -309,12 +309,12 @@ TEST_F(Cli, InspectSaysWhatAFileIs) {
   write("broken.obj", "no mesh");
   write("old.gif", "GIF89a, and so on");
   write("cut.exr", "\x76\x2f\x31\x01 cut off");
-  const std::pair<const char*, const char*> told[] = {{"tiny.json", "memory"},
-                                                      {"random.light", "lighting network 'random'"},
-                                                      {"wall.png", "picture, 64 x 48 pixels"},
-                                                      {"picture", "picture, 64 x 48 pixels"},
-                                                      {"room.hdr", "panorama, 64 x 32 pixels"}};
-  for (const auto& [file, line] : told)
+  const std::pair<const char*, const char*> lines[] = {{"tiny.json", "memory"},
+                                                       {"random.light", "lighting network 'random'"},
+                                                       {"wall.png", "picture, 64 x 48 pixels"},
+                                                       {"picture", "picture, 64 x 48 pixels"},
+                                                       {"room.hdr", "panorama, 64 x 32 pixels"}};
+  for (const auto& [file, line] : lines)
     EXPECT_NE(done("inspect " + std::string(file)).out.find(line), std::string::npos) << file;
   expect_refusals(R"(
 inspect empty | the file is empty

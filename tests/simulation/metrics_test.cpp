@@ -58,8 +58,8 @@ TEST(Quantile, IsTheNearestRank) {
 
 // Ten of 200 values lie beyond the 95th percentile, and so on. With one value less they are nine and a part.
 TEST(Quantile, IsToldByTenValuesBeyondIt) {
-  const std::pair<double, size_t> least[] = {{0.95, 200}, {0.99, 1000}, {0.999, 10000}};
-  for (const auto& [q, count] : least) {
+  const std::pair<double, size_t> count_min[] = {{0.95, 200}, {0.99, 1000}, {0.999, 10000}};
+  for (const auto& [q, count] : count_min) {
     EXPECT_TRUE(tells_quantile(count, q)) << q;
     EXPECT_FALSE(tells_quantile(count - 1, q)) << q;
   }
