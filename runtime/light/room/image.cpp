@@ -166,7 +166,8 @@ __attribute__((noinline)) RoomObservation observe(const RoomView& view, uint32_t
   for (uint32_t i = near.top; i < near.bottom; ++i)
     for (uint32_t j = near.left; j < near.right; ++j)
       for (uint32_t k = 0; k < lamp->finer * lamp->finer; ++k) {
-        const double up = (k / lamp->finer + down) / lamp->finer, aside = (k % lamp->finer + across) / lamp->finer;
+        const uint32_t row = k / lamp->finer, column = k % lamp->finer;
+        const double up = (row + down) / lamp->finer, aside = (column + across) / lamp->finer;
         const double at[2] = {(i + up) / count, (j + aside) / count};
         add_fine_point(view, layout, part, at, 1.0 / (lamp->finer * lamp->finer), &points);
       }
