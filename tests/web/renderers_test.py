@@ -90,6 +90,7 @@ def prepare(npm, work):
     shutil.copytree(HERE, folder)
     shutil.copytree(npm, folder / "sandglass")
     shutil.copy(HERE.parents[2] / "models/page/hourglass.mjs", folder / "sandglass")
+    shutil.copy(npm.parent / "page/hourglass.bin", folder)
     shutil.copy(HERE.parents[2] / "models/pictures/room.jpg", folder)
     (folder / "index.html").write_text(PAGE.format(map=json.dumps({"imports": MAP})))
     (folder / "babylon_core.mjs").write_text('export * from "@babylonjs/core";\n')

@@ -5,7 +5,7 @@ import { made } from "/renderers/sandglass/mesh_field.mjs";
 import { SandPainter, program, setUniforms, uploadShadow } from "/renderers/sandglass/sand_painter.mjs";
 import { pixelsOf } from "/renderers/sandglass/place_light.mjs";
 import { SandScene } from "/renderers/sandglass/scene.mjs";
-import { hourglassField, k_neck, sandBelow, woodMesh } from "/renderers/sandglass/hourglass.mjs";
+import { hourglassMade, k_neck } from "/renderers/sandglass/hourglass.mjs";
 import { kitValues } from "sandglass/glsl";
 import { blockMade } from "/renderers/sandglass/worker.mjs";
 import { k_block_text } from "/renderers/sandglass/block_module.mjs";
@@ -60,11 +60,13 @@ async function poured(stage, mesh, position) {
   stage.pour({ position });
   return { radius, step: () => stage.frame(k_step) };
 }
+const hourglassParts = async () => hourglassMade(await (await fetch("/renderers/hourglass.bin")).arrayBuffer());
 // It was just turned over: all sand is above.
 async function hourglass(stage, mesh) {
   const { sand } = stage;
   const radius = 0.0035;
   const [, stands] = k_neck.position;
+  const { field, below } = await hourglassParts();
   const friction = { static_friction: 0.3, kinetic_friction: 0.3 };
   const granular = { particle_radius: radius, particle_capacity: 1200, collider_capacity: 2, ...friction };
   const still = { rotation: k_upright, size: [1, 1, 1] };
@@ -72,9 +74,9 @@ async function hourglass(stage, mesh) {
     shape: constants.SANDGLASS_SHAPE_FIELD,
     ...still,
     position: k_neck.position,
-    field: hourglassField(sand),
+    field: { made: field },
   };
-  const particles = sandBelow(1200, radius).map((x, i) => (i % 3 === 1 ? 2 * stands - x : x));
+  const particles = below.slice(0, 3 * 1200).map((x, i) => (i % 3 === 1 ? 2 * stands - x : x));
   const colliders = [{ shape: constants.SANDGLASS_SHAPE_HALF_SPACE, ...still, position: [0, 0, 0], field: 0 }, glass];
   const file = { gravity: [0, -9.81, 0], frame_step: k_step, emitters: [], particles, granular, colliders };
   const scene = new SandScene(sand, file, { clock: true });
@@ -91,8 +93,8 @@ async function hourglass(stage, mesh) {
   };
   return { radius, step };
 }
-function wood() {
-  const { vertices, indices } = woodMesh();
+async function wood() {
+  const { vertices, indices } = (await hourglassParts()).wood;
   return { positions: vertices.map((x, i) => x + (i % 3 === 1 ? k_neck.position[1] : 0)), indices };
 }
 export const scenes = {
@@ -125,7 +127,7 @@ const recordings = {};
 export const recorded = (name = first) => (recordings[name] ??= record(scenes[name]));
 async function record({ mesh: shape, see, make, light }) {
   const stage = await Stage.create({ budget: 1000 });
-  const mesh = shape(await import("three"));
+  const mesh = await shape(await import("three"));
   await see(stage);
   const { radius, step } = await make(stage, mesh);
   const textures = {};
