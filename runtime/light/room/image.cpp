@@ -258,6 +258,11 @@ RoomObservation shown_of(Room* room, const PartMiddle& part, bool above, bool* c
   return now;
 }
 
+// Whether an image of that white shows more of a part than what is known of it: images of a lower white, which it clipped.
+bool outshines(const RoomKnown& known, int white) {
+  return known.clipped > 0 && known.white != 0 && white > known.white + 2;
+}
+
 // What one part shows, into what is known of it.
 void learn(Room* room, const PartMiddle& part) {
   RoomPart* known = &room->parts[part.part];
@@ -300,7 +305,7 @@ void learn(Room* room, const PartMiddle& part) {
   // What is clipped a little counts at once, and what is no more so: the next image may miss it.
   const bool at_once = clipped > 0 ? rate > 0 && before.clipped < k_faint && clipped < k_little : rate > k_clear;
   // A short image whose rim cuts a lamp tells its light at least: it remains clipped, and is asked for again.
-  const bool cut = covered < k_whole && before.clipped > 0 && before.white != 0 && of_now > before.white + 2;
+  const bool cut = covered < k_whole && outshines(before, of_now);
   if (!cut) known->clipped = static_cast<double>(before.clipped + (at_once ? 1 : rate) * (clipped - before.clipped));
   if (rate > 0) {
     known->up = room_towards(known->up, now.up, moved);
@@ -439,7 +444,7 @@ float room_rate(const Room& room, const RoomKnown& known, const RoomObservation&
   const double white = room.scale / room.light, now_at_least = now.covered * after;
   const bool is_lamp = before > white || after > white || clipped > 0 || known.clipped > 0;
   const bool shorter = known.clipped > 0 && more_white;
-  const bool by_white = shorter && known.white != 0;
+  const bool by_white = outshines(known, white_now);
   // Where it is not known by which image a part is known, one that shows nearly as much of it as was ever seen shows
   // the same of it.
   const bool cut = covered < k_whole && (by_white || covered <= (shorter ? k_as_much : 1) * known.seen);
