@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Sand in three.js and Babylon.js, by WebGL and WebGPU: one frame of three scenes is the kit's own picture in each, a fault is not; and in three.js
-sand is changed, hidden, hit and freed as any mesh is.
+sand is changed, hidden, hit and freed as any mesh is, and seen behind glass.
 
 renderers_test.py NPM_FOLDER WORK_FOLDER [--all]    WORK_FOLDER has node_modules. --all: what is slower, and the oldest three.js that are
 supported, from the npm registry; the one before is refused.
@@ -165,6 +165,19 @@ def views(page, kind):
         check(within(found) and found["other"] > 0.1, f"{way}, {kind}: {words(found)}; exchanged, {found['other']:.0%}")
 
 
+def glass(page, kind):
+    found = page.ask(f"behindGlass({json.dumps(kind)})")
+    seen, heap, blended = (found[of] for of in ("sand", "heap", "blended"))
+
+    def alike(shares):
+        return all(abs(a - b) < 0.06 for a, b in zip(shares, heap))
+
+    told = f"{[round(x, 2) for x in seen]} of before, a standard heap {[round(x, 2) for x in heap]}"
+    check(found["count"] > 500 and alike(seen), f"three, {kind}: sand behind glass is {told}")
+    check(found["other"] < 0.02, f"three, {kind}: {found['other']:.1%} of {found['count']} pixels are behind glass for one of both")
+    check(not alike(blended), f"three, {kind}: transparent sand is {[round(x, 2) for x in blended]} of before, as it must")
+
+
 def babylon_mesh(page, kind):
     found = page.ask(f"babylonMesh({json.dumps(kind)}, {json.dumps(kind == 'nodes')})")
     check(found["beside"] < found["radius"], f"babylon, {kind}: a ray ends {found['beside']:.4f} m from sand")
@@ -254,14 +267,16 @@ def main(arguments):
         same_picture(page, folder, "babylon", "webgl")
         as_a_mesh(page, "webgl")
         patched(page)
-        views(page, "webgl")
-        views(page, "nodes on webgl")
+        for kind in ("webgl", "nodes on webgl"):
+            views(page, kind)
+            glass(page, kind)
     # What draws by WebGPU must do without WebGL.
     address += "?without=webgl2"
     with Page(address) as page:
         same_picture(page, folder, "three", "nodes")
         same_picture(page, folder, "babylon", "nodes")
-        as_a_mesh(page, "nodes")
+        glass(page, "nodes")
+        as_a_mesh(page, "nodes")  # the last: once one renderer has reversed depth, three draws nothing by others of the page
         before = page.ask("light()")
     from_one_source(folder, address, before)
     return 1 if check.wrong else 0

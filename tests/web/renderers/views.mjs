@@ -1,4 +1,4 @@
-// Sand in several attachments of a target, and in the two eyes of a headset.
+// Sand in several attachments of a target, in the two eyes of a headset, and behind glass.
 import * as frame from "./scene.mjs";
 import { babylonScene, done, threeScene } from "./renderers.mjs";
 
@@ -190,6 +190,48 @@ export async function babylonEyes(kind) {
   };
   engine.dispose();
   return found;
+}
+// A tinted plate of glass stands half in the heap, aslant. Of sand, of the same heap as a standard mesh of its mean colour, and of sand
+// that says it is transparent, which glass shows not: what the glass makes of each channel behind it, and where (a picture of 0 and 1).
+export async function behindGlass(kind) {
+  const { THREE, renderer, scene, stage, group, look } = await threeScene(kind);
+  for (const one of stage.sand.loose) one.visible = false;
+  const tint = { color: 0x60a0ff, transmission: 1, roughness: 0, thickness: 0.006, ior: 1.5 };
+  const plate = new THREE.Mesh(new THREE.BoxGeometry(0.12, 0.2, 0.006), new THREE.MeshPhysicalMaterial(tint));
+  plate.position.set(0.03, 0.13, 0.07);
+  plate.rotation.y = 0.4;
+  scene.add(plate);
+  const changes = async (heap) => {
+    plate.visible = heap.visible = false;
+    const bare = await look();
+    heap.visible = true;
+    const plain = await look();
+    plate.visible = true;
+    const seen = await look();
+    const far = (a, b, i) => [0, 1, 2].some((k) => Math.abs(a[i + k] - b[i + k]) > 4);
+    const [behind, before, after] = [new Uint8Array(side * side), [0, 0, 0], [0, 0, 0]];
+    for (let i = 0; i < 4 * side * side; i += 4) {
+      if (!far(bare, plain, i) || !far(plain, seen, i)) continue;
+      behind[i / 4] = 1;
+      for (let k = 0; k < 3; ++k) [before[k], after[k]] = [before[k] + plain[i + k], after[k] + seen[i + k]];
+    }
+    heap.visible = false;
+    const count = behind.reduce((sum, x) => sum + x);
+    return { behind, count, mean: before.map((x) => x / count), shares: after.map((x, k) => x / before[k]) };
+  };
+  const sand = await changes(group);
+  const heap = new THREE.Group();
+  const material = new THREE.MeshStandardMaterial({ flatShading: true });
+  for (const { geometry, visible } of stage.sand.chunks) if (visible) heap.add(new THREE.Mesh(geometry, material));
+  scene.add(heap);
+  const white = await changes(heap);
+  ["r", "g", "b"].forEach((name, k) => (material.color[name] *= (sand.mean[k] / white.mean[k]) ** 2.2));
+  const common = await changes(heap);
+  for (const one of stage.sand.chunks) Object.assign(one.material, { transparent: true, needsUpdate: true });
+  const blended = await changes(group);
+  done(renderer);
+  const other = sand.behind.reduce((sum, x, i) => sum + (x !== common.behind[i]), 0) / common.count;
+  return { count: sand.count, other, sand: sand.shares, heap: common.shares, blended: blended.shares };
 }
 // Sand of Babylon.js as a mesh: how far from its skin a ray ends, and which share of a
 // picture its shadow on a floor changes, and of the sand alone a clipping plane and fog.
