@@ -14,11 +14,12 @@
 
 int main(int argument_count, char** arguments) {
   const std::string what = argument_count > 1 ? arguments[1] : "closed";
-  const bool ambient = what == "ambient";
+  const bool ambient = what.starts_with("ambient");
   const sandglass::host::Mesh knot = sandglass::host::make_trefoil(0.1f, 0.018f, 100, 10);
   sandglass_cast_desc desc = sandglass::cast_desc();
   desc.texels = ambient ? 0 : 128;
   desc.ambient_texels = ambient ? 64 : 0;
+  desc.layers = what.ends_with("layers") ? 4 : 1;
   desc.isa = argument_count > 2 ? std::atoi(arguments[2]) : SANDGLASS_ISA_AUTOMATIC;
   sandglass::Cast cast;
   const sandglass::Status made = cast.create(desc);
@@ -42,7 +43,7 @@ int main(int argument_count, char** arguments) {
       if (!cast.set_meshes(&mesh, 1) || !cast.set_light(light, 2 * half * k_degree)) return 2;
       for (uint32_t ran; (ran = cast.run(16)) != 0;) units += ran;
       const sandglass_texture t = ambient ? cast.ambient() : cast.texture();
-      for (uint32_t i = 0; i < t.side * t.side; ++i) hash = hash * 31 + t.bytes[i];
+      for (uint32_t i = 0; i < t.layers * t.side * t.side; ++i) hash = hash * 31 + t.bytes[i];
     }
   counting_ends();
   std::printf("isa %s\ntextures %u\nunits %u\nhash 0x%016llx\n", sandglass_isa_name(desc.isa), textures, units,

@@ -116,7 +116,7 @@ inline Cast lit(const std::vector<sandglass_cast_mesh>& meshes, std::array<float
 }
 
 using Bytes = std::vector<uint8_t>;
-inline Bytes bytes_of(const sandglass_texture& t) { return {t.bytes, t.bytes + t.side * t.side}; }
+inline Bytes bytes_of(const sandglass_texture& t) { return {t.bytes, t.bytes + t.layers * t.side * t.side}; }
 inline Bytes light_of(const Cast& cast) { return bytes_of(cast.texture()); }
 
 // Of the light and of the ambient.

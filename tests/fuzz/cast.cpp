@@ -47,6 +47,7 @@ Input drawn(const uint8_t* data, size_t size) {
   input.desc.triangle_capacity = k_triangles;
   input.desc.mesh_capacity = k_meshes;
   input.desc.reach = random.below(2) != 0 ? 2.0f : 0.0f;
+  input.desc.layers = random.below(2) != 0 ? 1 : 1 + random.below(8);
   const float large = even(0.01f, 1);
   const bool odd = random.below(4) == 0;  // with corners that are not finite, or far away
   for (Turn& t : input.turns) {
@@ -82,6 +83,7 @@ Input drawn(const uint8_t* data, size_t size) {
     for (float& x : t.plane.origin) x = even(-0.2f, 0.2f);
     for (float& x : t.plane.normal) x += even(-0.5f, 0.5f);
     t.plane.is_virtual = random.below(2);
+    t.plane.height = even(0.001f, 1);
     for (float& x : t.light) x = even(-1, 1);
     t.diameter = even(0, 1.5f);
     for (float& cell : t.cells) cell = even(0, 2.0f / SANDGLASS_LIGHT_CELLS) * 0.5f;
@@ -153,14 +155,14 @@ struct Drawing {
 };
 
 bool same(const sandglass_texture& a, const sandglass_texture& b) {
-  const uint64_t bytes = uint64_t{a.side} * a.side;
-  return a.valid == b.valid && a.side == b.side && a.version == b.version && a.behind == b.behind &&
-         (a.valid == 0 || bytes == 0 || std::memcmp(a.bytes, b.bytes, bytes) == 0);
+  const uint64_t bytes = uint64_t{a.layers} * a.side * a.side;
+  return a.valid == b.valid && a.layers == b.layers && a.side == b.side && a.version == b.version &&
+         a.behind == b.behind && (a.valid == 0 || bytes == 0 || std::memcmp(a.bytes, b.bytes, bytes) == 0);
 }
 
 double dot(const double* a, const double* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-// Numbers are finite, and a texel that lies wholly beyond the plane's extent is as light as without any mesh.
+// Numbers are finite, and without layers a texel that lies wholly beyond the plane's extent is as light as without any mesh.
 void check(const sandglass_texture& t, const sandglass_cast_plane* plane, uint8_t light) {
   if (t.valid == 0) return;
   double corner[3], along[3], across[3];
@@ -170,6 +172,8 @@ void check(const sandglass_texture& t, const sandglass_cast_plane* plane, uint8_
     across[k] = t.across[k];
   }
   expect(std::isfinite(dot(corner, corner) + dot(along, along) + dot(across, across)));
+  for (const float x : t.slide) expect(std::isfinite(x) && std::fabs(x) < 10);
+  if (t.layers > 1) return;
   if (plane == nullptr || t.bytes == nullptr || dot(corner, corner) > k_large * k_large) return;
   double from[3];
   for (int k = 0; k < 3; ++k) from[k] = corner[k] - static_cast<double>(plane->origin[k]);

@@ -250,7 +250,7 @@ typedef struct sandglass_texture {
   uint32_t struct_size;
   /* 0: none was completed yet; the bytes then say that nothing is hidden. */
   uint32_t valid;
-  /* side x side of them, row after row. NULL: the description has none. */
+  /* layers * side rows of side texels, row after row. NULL: the description has none. */
   const uint8_t* bytes;
   /* Texels along a side. */
   uint32_t side;
@@ -265,6 +265,13 @@ typedef struct sandglass_texture {
   float light[3];
   /* Another one when a byte has changed: upload it then. 0: none was completed. */
   uint64_t version;
+  /* How many images of side x side `bytes` holds, from the plane up: 1, but of a cast with layers (cast.h). */
+  uint32_t layers;
+  /* Of a cast alone. Metres: the height of the highest layer. */
+  float height;
+  /* Of a cast alone, world. What is m metres above the plane reads the texture at place - m * slide, which is in the plane.
+   * It is along the light; of an ambient texture it is the normal. */
+  float slide[3];
 } sandglass_texture;
 
 #ifdef __cplusplus

@@ -148,6 +148,7 @@ void sandglass_shadow_get_ambient(const sandglass_shadow* shadow, sandglass_text
   const Shadow& s = shadow->shadow;
   const AmbientShadow& a = s.ambient;
   sandglass_texture out = {};
+  out.layers = 1;
   if (a.components.count != 0) {
     out.valid = a.valid ? 1 : 0;
     out.bytes = a.front;

@@ -160,6 +160,7 @@ void fill_info(const ShadowAsset& asset, sandglass_shadow_info* out) {
 
 void fill_texture(const Shadow& s, uint32_t light, sandglass_texture* out) {
   sandglass_texture texture = {};
+  texture.layers = 1;
   if (light < s.light_count) {
     const ShadowLight& l = s.lights[light];
     const ShadowTexture& t = l.front;

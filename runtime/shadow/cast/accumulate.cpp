@@ -1,5 +1,9 @@
 // One texture: its directions and its rectangle, the images of all directions, and their count.
 //
+// All layers share the rectangle, because a receiver slides along the light to the plane before it reads one. So a
+// direction's images of two layers are the same, some texels apart, but for what lies between: it is drawn from the
+// highest layer down, each part once, and the image moves from layer to layer by whole texels.
+//
 // Counts are kept as bit planes: word i of plane b holds bit b of the counts of 64 texels. Adding an image is then a
 // chain of half adders, 64 texels at a time.
 #include <cstring>
@@ -25,10 +29,11 @@ double texel_size(double x) {
 }
 
 // The smallest and the largest slope of directions along an axis, no steeper than is drawn; and of those that are cut
-// for it.
+// for it. And their sum.
 struct Slopes {
-  double low = 0, high = 0, low_cut = 0, high_cut = 0;
+  double low = 0, high = 0, low_cut = 0, high_cut = 0, sum = 0;
   void include(double slope, bool cut) {
+    sum += slope;
     low = slope < low ? slope : low;
     high = slope > high ? slope : high;
     if (!cut) return;
@@ -38,8 +43,9 @@ struct Slopes {
 };
 
 // Along one axis, the rectangle of the texture: what the shadows of the triangles' box reach, on a grid that lies
-// still. Where the plane ends before, so does the rectangle, with a whole texel. `around`: metres about the box that
-// are in it, too, and fade. False: nothing can be seen.
+// still. Where the plane ends before, so does the rectangle, with a whole texel; with layers, where what stands there
+// slides to, and what moves there between layers. `around`: metres about the box that are in it, too, and fade. False:
+// nothing can be seen.
 bool fit_along(const CastGathered& g, uint32_t axis, const Slopes& slopes, bool ambient, double around,
                CastTexture* texture, uint32_t texels) {
   const double low = g.low[2 * axis], high = g.high[2 * axis];
@@ -54,7 +60,9 @@ bool fit_along(const CastGathered& g, uint32_t axis, const Slopes& slopes, bool 
     from = fades[0] ? wide[0] : from;
     to = fades[1] ? wide[1] : to;
   }
-  const double bounds[2] = {static_cast<double>(g.frame.low[axis]), static_cast<double>(g.frame.high[axis])};
+  const double highest = static_cast<double>(cast_level(g.frame, g.layers, g.layers - 1)), slide = texture->slide[axis];
+  const double bounds[2] = {static_cast<double>(g.frame.low[axis]) - highest * (slide - slopes.low),
+                            static_cast<double>(g.frame.high[axis]) + highest * (slopes.high - slide)};
   const bool cut[2] = {from < bounds[0] || from > bounds[1], to > bounds[1] || to < bounds[0]};
   double* const ends[2] = {&from, &to};
   for (double* end : ends) *end = *end < bounds[0] ? bounds[0] : *end > bounds[1] ? bounds[1] : *end;
@@ -90,6 +98,8 @@ bool fit(const CastDrawing& drawing, const CastState& c, CastTexture* texture, u
     slopes[0].include(x * part, part < 1);
     slopes[1].include(z * part, part < 1);
   }
+  for (uint32_t axis = 0; axis < 2; ++axis)
+    texture->slide[axis] = drawing.direction_count != 0 ? slopes[axis].sum / drawing.direction_count : 0;
   // What the ambient texture cannot hold is in that of the light.
   const bool holds_shade = !ambient && c.progress.in_shade && drawing.share > 0;
   const double around = holds_shade ? k_cast_ambient_slope * c.gathered.high[1] : 0;
@@ -107,8 +117,8 @@ uint64_t bits_of(uint64_t x) {
   return x * 0x0101010101010101u >> 56;
 }
 
-// Adds an image to the counts, and clears it. Returns how many bits were set.
-uint64_t count_image(uint64_t* image, uint64_t* counts, uint64_t words) {
+// Adds an image to the counts, and clears it unless it is kept. Returns how many bits were set.
+uint64_t count_image(uint64_t* image, uint64_t* counts, uint64_t words, bool kept) {
   uint64_t bits = 0;
   for (uint64_t i = 0; i < words; ++i) {
     uint64_t carry = image[i];
@@ -119,22 +129,83 @@ uint64_t count_image(uint64_t* image, uint64_t* counts, uint64_t words) {
       *sum ^= carry;
       carry = both;
     }
-    image[i] = 0;
+    if (!kept) image[i] = 0;
   }
   return bits;
 }
 
-void end_direction(CastDrawing* drawing, const CastGathered& gathered, uint32_t texels) {
-  const uint64_t words = uint64_t{texels} * cast_words(texels);
-  const uint32_t light = drawing->direction < drawing->direction_count ? 0 : 1;
-  if (cast_masks(gathered)) {
-    for (uint64_t i = 0; i < words; ++i) drawing->image[i] &= ~drawing->mask[i];
-    count_image(drawing->mask, drawing->mask_counts[light], words);
+// Moves an image by whole texels. What leaves it is gone.
+void move_image(uint64_t* image, uint32_t texels, const int64_t by[2]) {
+  constexpr uint32_t k_most = 4;  // words of a row
+  const uint32_t words = cast_words(texels);
+  const int64_t side = texels, whole = by[0] >> 6;  // rounds down
+  const auto part = static_cast<uint32_t>(by[0] & 63);
+  for (int64_t i = 0; i < side; ++i) {
+    const int64_t row = by[1] > 0 ? side - 1 - i : i, source = row - by[1];
+    uint64_t from[k_most] = {};
+    if (source >= 0 && source < side) memcpy(from, image + source * words, words * sizeof from[0]);
+    for (int64_t word = 0; word < words; ++word) {
+      const auto at = [&](int64_t k) { return k >= 0 && k < words ? from[k] : 0; };
+      const uint64_t moved = at(word - whole) << part;
+      image[row * words + word] = part == 0 ? moved : moved | at(word - whole - 1) >> (64 - part);
+    }
   }
-  drawing->covered += count_image(drawing->image, drawing->counts[light], words);
-  ++drawing->direction;
+}
+
+// Texels from a layer's image to the floor's: whole ones, by which its grid is shifted by half a texel at most, too.
+int64_t aside(const CastDirection& d, const CastTexture& texture, uint32_t axis, double level) {
+  if (!(level > 0)) return 0;
+  const double texels = level * (static_cast<double>(d.slope[axis]) - texture.slide[axis]) / texture.texel[axis];
+  return floor_index(texels - static_cast<double>(d.shift[axis]) + 0.5);
+}
+
+// Whether all of a direction's images can be moved: all that reaches the plane of the app begins in the rectangle.
+bool moves(const CastDirection& d, const CastTexture& texture, const CastGathered& g, uint32_t texels) {
+  const double highest = static_cast<double>(cast_level(g.frame, g.layers, g.layers - 1));
+  bool holds = true;
+  for (uint32_t axis = 0; axis < 2; ++axis) {
+    const double slide = texture.slide[axis], past = slide - static_cast<double>(d.slope[axis]);
+    const double still = k_cast_still * texture.texel[axis];
+    const double first = texture.low[axis] - still, last = texture.low[axis] + texture.texel[axis] * texels + still;
+    const double from = g.low[2 * axis] - (slide > 0 ? slide * g.high[1] : 0),
+                 to = g.high[2 * axis] - (slide < 0 ? slide * g.high[1] : 0);
+    const double back = slide > past ? slide : past, ahead = slide < past ? slide : past;
+    const double low = static_cast<double>(g.frame.low[axis]) - (back > 0 ? back * highest : 0),
+                 high = static_cast<double>(g.frame.high[axis]) - (ahead < 0 ? ahead * highest : 0);
+    holds = holds && (from >= first || low >= first) && (to <= last || high <= last);
+  }
+  return holds;
+}
+
+// Counts what is drawn of a layer. Its images move to the next one, or are cleared.
+void end_layer(CastDrawing* drawing, const CastTexture& texture, const CastGathered& gathered, uint32_t texels,
+               bool moves_on) {
+  const uint64_t words = uint64_t{texels} * cast_words(texels), at = drawing->layer * k_cast_planes * words;
+  const uint32_t light = drawing->direction < drawing->direction_count ? 0 : 1;
+  const bool masks = cast_masks(gathered);
+  if (masks) {
+    for (uint64_t i = 0; i < words; ++i) drawing->image[i] &= ~drawing->mask[i];
+    count_image(drawing->mask, drawing->mask_counts[light] + at, words, moves_on);
+  }
+  const uint64_t bits = count_image(drawing->image, drawing->counts[light] + at, words, moves_on);
   drawing->group = 0;
   drawing->triangle = 0;
+  if (drawing->layer == 0) {
+    drawing->covered += bits;
+    ++drawing->direction;
+    drawing->layer = gathered.layers - 1;
+    return;
+  }
+  --drawing->layer;
+  if (!moves_on) return;
+  const CastDirection& d = drawing->directions[drawing->direction];
+  int64_t by[2];
+  for (uint32_t axis = 0; axis < 2; ++axis) {
+    const auto level = [&](uint32_t k) { return static_cast<double>(cast_level(gathered.frame, gathered.layers, k)); };
+    by[axis] = aside(d, texture, axis, level(drawing->layer)) - aside(d, texture, axis, level(drawing->layer + 1));
+  }
+  move_image(drawing->image, texels, by);
+  if (masks) move_image(drawing->mask, texels, by);
 }
 
 // Directions of the main light or of the cells, in the gathered frame.
@@ -190,11 +261,12 @@ void cast_begin_draw(CastDrawing* drawing, CastTarget* target, const CastState& 
   memset(drawing->image, 0, bytes);
   if (masks) memset(drawing->mask, 0, bytes);
   for (uint32_t light = 0; light < (drawing->other_count != 0 ? 2u : 1u); ++light) {
-    memset(drawing->counts[light], 0, k_cast_planes * bytes);
-    if (masks) memset(drawing->mask_counts[light], 0, k_cast_planes * bytes);
+    memset(drawing->counts[light], 0, c.gathered.layers * k_cast_planes * bytes);
+    if (masks) memset(drawing->mask_counts[light], 0, c.gathered.layers * k_cast_planes * bytes);
   }
   drawing->covered = drawing->drawn = drawing->rows = 0;
   drawing->direction = drawing->group = drawing->triangle = 0;
+  drawing->layer = c.gathered.layers - 1;
 }
 
 bool cast_draw(CastDrawing* drawing, CastTarget* target, const CastState& c) {
@@ -203,17 +275,21 @@ bool cast_draw(CastDrawing* drawing, CastTarget* target, const CastState& c) {
   args.texels = target->texels;
   args.words = cast_words(target->texels);
   uint32_t spent = 0;
-  const uint32_t directions = drawing->direction_count + drawing->other_count;
+  const uint32_t directions = drawing->direction_count + drawing->other_count, layers = c.gathered.layers;
   while (drawing->direction < directions) {
     const CastDirection& d = drawing->directions[drawing->direction];
+    const auto level = static_cast<double>(cast_level(c.gathered.frame, layers, drawing->layer));
+    const bool once = layers > 1 && moves(d, target->back, c.gathered, target->texels);
     for (uint32_t axis = 0; axis < 2; ++axis) {
       const double scale = 1 / target->back.texel[axis];
       args.scale[axis] = static_cast<float>(scale);
       args.shear[axis] = static_cast<float>(static_cast<double>(d.slope[axis]) * scale);
-      args.offset[axis] = static_cast<float>(static_cast<double>(d.shift[axis]) - 0.5 - target->back.low[axis] * scale);
+      args.offset[axis] = static_cast<float>(static_cast<double>(d.shift[axis]) - 0.5 - target->back.low[axis] * scale +
+                                             static_cast<double>(aside(d, target->back, axis, level)));
     }
     for (; drawing->group < k_cast_groups; ++drawing->group) {
-      const uint32_t begin = c.gathered.starts[drawing->group], end = c.gathered.starts[drawing->group + 1];
+      const uint32_t* starts = c.gathered.starts + drawing->group * layers;
+      const uint32_t begin = starts[drawing->layer], end = starts[once ? drawing->layer + 1 : layers];
       drawing->triangle = drawing->triangle < begin ? begin : drawing->triangle;
       const bool masks = drawing->group < k_cast_virtual_closed && cast_masks(c.gathered);
       args.image = masks ? drawing->mask : drawing->image;
@@ -227,12 +303,13 @@ bool cast_draw(CastDrawing* drawing, CastTarget* target, const CastState& c) {
         CastExtent extent = {0, 0, ~0u, 0};
         c.kernels->cast_triangles(&args, drawing->triangle, to, &extent);
         spent += extent.rows + (to - drawing->triangle);
-        if (!masks) drawing->drawn += extent.texels;
+        if (!masks && (once || drawing->layer == 0)) drawing->drawn += extent.texels;
         drawing->triangle = to;
       }
     }
-    end_direction(drawing, c.gathered, target->texels);
-    spent += target->texels * args.words / 8;
+    const bool moves_on = once && drawing->layer != 0;
+    end_layer(drawing, target->back, c.gathered, target->texels, moves_on);
+    spent += target->texels * args.words / 8 + (moves_on ? target->texels : 0);
     if (spent >= k_cast_unit_rows) break;
   }
   drawing->rows += spent;

@@ -33,8 +33,10 @@ struct Hidden {
 };
 
 void read_counts(const CastState& c, uint32_t light, uint64_t words, uint64_t word, uint32_t byte, Hidden out[8]) {
-  const uint64_t hidden = eight_counts(c.drawing.counts[light], words, word, byte);
-  const uint64_t masked = cast_masks(c.gathered) ? eight_counts(c.drawing.mask_counts[light], words, word, byte) : 0;
+  const uint64_t at = c.calm.layer * k_cast_planes * words;
+  const uint64_t hidden = eight_counts(c.drawing.counts[light] + at, words, word, byte);
+  const uint64_t masked =
+      cast_masks(c.gathered) ? eight_counts(c.drawing.mask_counts[light] + at, words, word, byte) : 0;
   for (uint32_t i = 0; i < 8; ++i)
     out[i] = {static_cast<float>(hidden >> (8 * i) & 0xff), static_cast<float>(masked >> (8 * i) & 0xff)};
 }
@@ -131,13 +133,13 @@ void write_row(const CastState& c, uint32_t texels, uint32_t row, uint8_t* bytes
 }  // namespace
 
 void cast_begin_calm(CastCalm* calm) {
-  calm->pass = calm->row = 0;
+  calm->layer = calm->pass = calm->row = 0;
   calm->shade_found = false;
 }
 
 bool cast_calm(CastCalm* calm, uint8_t* bytes, const CastState& c) {
   const uint32_t texels = c.targets[c.progress.target].texels, rows = k_cast_unit_texels / texels;
-  for (uint32_t done = 0; done < rows && calm->pass < k_passes; ++done) {
+  for (uint32_t done = 0; done < rows && calm->layer < c.desc.layers; ++done) {
     const uint32_t radius = k_window_radius[calm->pass];
     if (calm->row < texels) {
       if (calm->pass == 0) read_row(calm, c, texels, calm->row);
@@ -146,14 +148,16 @@ bool cast_calm(CastCalm* calm, uint8_t* bytes, const CastState& c) {
     if (calm->row >= radius) {
       const uint32_t ready = calm->row - radius;
       calm_row(*calm, c, texels, ready, radius);
-      if (calm->pass == k_passes - 1) write_row(c, texels, ready, bytes + uint64_t{ready} * texels);
+      if (calm->pass == k_passes - 1)
+        write_row(c, texels, ready, bytes + (uint64_t{calm->layer} * texels + ready) * texels);
     }
-    if (++calm->row == texels + radius) {
-      calm->row = 0;
-      ++calm->pass;
-    }
+    if (++calm->row < texels + radius) continue;
+    calm->row = 0;
+    if (++calm->pass < k_passes) continue;
+    calm->pass = 0;
+    ++calm->layer;
   }
-  return calm->pass == k_passes;
+  return calm->layer == c.desc.layers;
 }
 
 }  // namespace sandglass

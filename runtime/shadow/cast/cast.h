@@ -33,6 +33,7 @@ constexpr double k_cast_slope_max = 5;             // a shadow is drawn this man
 constexpr double k_cast_slope_fade = 1;            // over which its end fades, if it goes on
 constexpr double k_cast_ambient_slope = 1.5;       // the ambient shadow, this many around the object
 constexpr double k_cast_still = 0.1;               // of a texel; what moves less makes no new texture
+constexpr uint32_t k_cast_layers = 8;              // at most
 constexpr uint32_t k_cast_reaches = 40;            // octaves of distance, from 2^-16 m on
 constexpr float k_cast_far = 1e6f;                 // metres; corners farther than that are left out
 
@@ -51,7 +52,7 @@ enum : uint32_t { k_cast_real_closed, k_cast_real, k_cast_virtual_closed, k_cast
 // A plane's frame: x and z lie along it, y is its normal.
 struct CastFrame {
   double origin[3], axes[3][3];
-  float low[2], high[2], bias;
+  float low[2], high[2], bias, height;
   bool is_virtual;
 };
 
@@ -66,8 +67,8 @@ struct CastDirection {
 struct CastTexture {
   uint8_t* bytes;
   CastFrame frame;
-  // In that frame.
-  double low[2], texel[2];
+  // In that frame, and how far a metre of height slides along it.
+  double low[2], texel[2], slide[2];
   // Texels at the low and the high side over which a shadow that goes on fades; 0: it ends there.
   float fade[2][2];
   double light[3];  // world
@@ -126,7 +127,10 @@ struct CastReach {
 // The triangles of the meshes.
 struct CastGathered {
   float* corners[9];
-  uint32_t starts[k_cast_groups + 1], room;  // multiples of 16
+  // Of each group's parts, from the lowest layer to the highest: a part is what lies between a layer and the next. Multiples
+  // of 16.
+  uint32_t starts[k_cast_groups * k_cast_layers + 1], room;
+  uint32_t layers;
   CastFrame frame;
   // Whether something darkens the plane, and its box.
   bool darkens;
@@ -139,7 +143,7 @@ struct CastGathered {
   // Triangles that are too far are being taken out.
   bool sifts;
   // The next triangle: of a mesh, or while `sifts` of all. How many are kept.
-  uint32_t group, mesh, triangle, kept;
+  uint32_t part, mesh, triangle, kept;
 };
 
 // ---- CastComparison (compare.cpp)
@@ -163,11 +167,11 @@ struct CastDrawing {
   double share;
   // The cells of the last ambient texture.
   float cells[k_light_cells];
-  // The next direction, and triangle of all.
-  uint32_t direction, group, triangle;
+  // The next direction, layer, from the highest to the floor, and triangle of all.
+  uint32_t direction, layer, group, triangle;
   // Words of bits.
   uint64_t *image, *mask;
-  // k_cast_planes words for each word of an image: of the texture's light, and of the other.
+  // k_cast_planes words for each word of an image, layer after layer: of the texture's light, and of the other.
   uint64_t *counts[2], *mask_counts[2];
   // Covered texels: each once, and each as often as it is covered.
   uint64_t covered, drawn;
@@ -178,7 +182,7 @@ struct CastDrawing {
 // ---- CastCalm (calm.cpp)
 
 struct CastCalm {
-  uint32_t pass, row;
+  uint32_t layer, pass, row;
   // Rows of counts, with k_lane_group before and after each.
   float* values;
   // Minimum, maximum and sum: k_cast_rows rows each.
@@ -213,7 +217,13 @@ struct CastState {
 inline uint32_t cast_words(uint32_t texels) { return texels / 64; }
 inline uint32_t cast_pitch(uint32_t texels) { return texels + 2 * k_lane_group; }
 // Whether what is real keeps virtual objects from darkening the plane.
-inline bool cast_masks(const CastGathered& g) { return !g.frame.is_virtual && g.starts[k_cast_virtual_closed] != 0; }
+inline bool cast_masks(const CastGathered& g) {
+  return !g.frame.is_virtual && g.starts[k_cast_virtual_closed * g.layers] != 0;
+}
+// How high a layer is above the plane.
+inline float cast_level(const CastFrame& frame, uint32_t layers, uint32_t layer) {
+  return layer == 0 ? 0 : frame.height * static_cast<float>(layer) / static_cast<float>(layers - 1);
+}
 
 // The main light's share of all light, where textures are divided by what real things leave of both lights; else 0.
 double cast_share(const CastState& cast);

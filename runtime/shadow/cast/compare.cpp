@@ -71,9 +71,11 @@ void cast_compare(CastState* c) {
   counts = counts || triangles != c->comparison.triangles;
   anew = anew || (fewer && c->comparison.triangles - triangles > c->comparison.triangles / 4);
   c->comparison.triangles = triangles;
-  const bool frame = c->request.frame.is_virtual != c->gathered.frame.is_virtual ||
-                     absolute(static_cast<double>(c->request.frame.bias - c->gathered.frame.bias)) > 0 ||
-                     cut_otherwise(*c);
+  const bool frame =
+      c->request.frame.is_virtual != c->gathered.frame.is_virtual ||
+      absolute(static_cast<double>(c->request.frame.bias - c->gathered.frame.bias)) > 0 ||
+      (c->desc.layers > 1 && absolute(static_cast<double>(c->request.frame.height - c->gathered.frame.height)) > 0) ||
+      cut_otherwise(*c);
   if (!other && !counts && !frame) return;
   c->comparison.stale = true;
   for (CastTarget& target : c->targets) target.asked = target.texels != 0;

@@ -15,8 +15,10 @@
 namespace sandglass {
 namespace {
 
-constexpr float k_extent_limit = 1e4f;  // metres
-constexpr double k_origin_kept = 100;   // metres
+constexpr float k_extent_limit = 1e4f;                      // metres
+constexpr double k_origin_kept = 100;                       // metres
+constexpr float k_height_min = 0.001f, k_height_max = 100;  // metres
+constexpr uint32_t k_cut_triangles = 1024;                  // that one layer cuts
 
 sandglass_status check(const sandglass_cast_desc& desc, const char** reason) {
   if (desc.texels != 0 && desc.texels != 64 && desc.texels != 128 && desc.texels != 256)
@@ -30,6 +32,8 @@ sandglass_status check(const sandglass_cast_desc& desc, const char** reason) {
     return refuse(reason, "desc.triangle_capacity is not in 1..1000000.");
   if (desc.mesh_capacity == 0 || desc.mesh_capacity > 1024)
     return refuse(reason, "desc.mesh_capacity is not in 1..1024.");
+  if (desc.layers == 0 || desc.layers > k_cast_layers)
+    return refuse(reason, "desc.layers is not in 1..8: 1 for a plane alone, more for what stands on it.");
   if (!within(desc.light_tolerance, 0.0f, 1.0f)) return refuse(reason, "desc.light_tolerance is not in 0..1 radians.");
   if (!within(desc.reach, 0.0f, 1e6f) || (desc.reach > 0 && desc.reach < 2))
     return refuse(reason, "desc.reach is neither 0 nor in 2..1000000.");
@@ -47,9 +51,14 @@ sandglass_cast* lay_out(const sandglass_cast_desc& desc, Layout* layout) {
   if (handle != nullptr) *handle = {};
   const uint64_t widest = desc.texels > desc.ambient_texels ? desc.texels : desc.ambient_texels;
   const uint64_t words = widest * cast_words(static_cast<uint32_t>(widest));
-  // An eighth more than asked for, for triangles that the plane cuts into two, and what fills groups up.
-  c->gathered.room = (desc.triangle_capacity + desc.triangle_capacity / 8 + (k_cast_groups + 1) * k_lane_group) /
+  // An eighth more than asked for, for triangles that the plane cuts into two, and what fills parts up. A higher layer
+  // cuts a few large triangles into three, or a ring of a fine mesh.
+  const uint32_t eighth = desc.triangle_capacity / 8, few = 2 * desc.triangle_capacity;
+  const uint32_t for_layer = few < k_cut_triangles + eighth ? few : k_cut_triangles + eighth;
+  c->gathered.room = (desc.triangle_capacity + eighth + (desc.layers - 1) * for_layer +
+                      (k_cast_groups * desc.layers + 1) * k_lane_group) /
                      k_lane_group * k_lane_group;
+  c->gathered.layers = desc.layers;
   c->request.meshes = layout_region<CastMesh>(layout, "cast.meshes", desc.mesh_capacity);
   for (float*& array : c->gathered.corners)
     array = layout_region<float>(layout, "cast.corners", c->gathered.room + k_lane_group);
@@ -58,7 +67,8 @@ sandglass_cast* lay_out(const sandglass_cast_desc& desc, Layout* layout) {
   c->drawing.image = layout_region<uint64_t>(layout, "cast.image", words);
   c->drawing.mask = layout_region<uint64_t>(layout, "cast.mask", words);
   for (uint32_t light = 0; light < 2; ++light) {
-    const uint64_t counted = light == 0 || (desc.texels != 0 && desc.ambient_texels != 0) ? k_cast_planes * words : 0;
+    const uint64_t counted =
+        light == 0 || (desc.texels != 0 && desc.ambient_texels != 0) ? desc.layers * k_cast_planes * words : 0;
     c->drawing.counts[light] = layout_region<uint64_t>(layout, "cast.counts", counted);
     c->drawing.mask_counts[light] = layout_region<uint64_t>(layout, "cast.mask_counts", counted);
   }
@@ -70,7 +80,7 @@ sandglass_cast* lay_out(const sandglass_cast_desc& desc, Layout* layout) {
     target->texels = sides[i];
     CastTexture* const textures[] = {&target->front, &target->back};
     for (CastTexture* texture : textures)
-      texture->bytes = layout_region<uint8_t>(layout, "cast.texture", uint64_t{sides[i]} * sides[i]);
+      texture->bytes = layout_region<uint8_t>(layout, "cast.texture", uint64_t{desc.layers} * sides[i] * sides[i]);
   }
   return handle;
 }
@@ -83,6 +93,8 @@ sandglass_status frame_of(const sandglass_cast_plane& plane, CastFrame* frame, c
         !(plane.high[axis] > plane.low[axis]))
       return refuse(reason, "plane.low and high are not finite, or high is not above low.");
   if (!within(plane.bias, 0.0f, 1.0f)) return refuse(reason, "plane.bias is not in 0..1 metre.");
+  if (!within(plane.height, k_height_min, k_height_max))
+    return refuse(reason, "plane.height is not in 0.001..100 metres.");
   if (plane.is_virtual > 1) return refuse(reason, "plane.is_virtual is neither 0 nor 1.");
   if (const char* wrong = plane_axes(plane.normal, plane.along, frame->axes)) return refuse(reason, wrong);
   for (uint32_t i = 0; i < 3; ++i) frame->origin[i] = static_cast<double>(plane.origin[i]);
@@ -91,6 +103,7 @@ sandglass_status frame_of(const sandglass_cast_plane& plane, CastFrame* frame, c
     frame->high[axis] = plane.high[axis];
   }
   frame->bias = plane.bias;
+  frame->height = plane.height;
   frame->is_virtual = plane.is_virtual != 0;
   return accept(reason);
 }
@@ -132,7 +145,7 @@ sandglass_status build(const sandglass_cast_desc& desc, sandglass_cast* handle, 
     target->front.frame = c->request.frame;
     target->front.open = 1;
     if (i == k_cast_ambient && target->texels != 0)
-      memset(target->front.bytes, 255, uint64_t{target->texels} * target->texels);
+      memset(target->front.bytes, 255, uint64_t{desc.layers} * target->texels * target->texels);
   }
   return accept(reason);
 }
@@ -224,6 +237,8 @@ void fill_texture(const CastState& c, uint32_t which, sandglass_texture* out) {
   texture.bytes = front.bytes;
   texture.side = target.texels;
   texture.scale = 1;
+  texture.layers = c.desc.layers;
+  texture.height = front.frame.height;
   const CastFrame& frame = front.frame;
   for (uint32_t axis = 0; axis < 3; ++axis) {
     const double u = frame.axes[0][axis], v = frame.axes[2][axis];
@@ -231,6 +246,7 @@ void fill_texture(const CastState& c, uint32_t which, sandglass_texture* out) {
     texture.along[axis] = static_cast<float>(u * front.texel[0] * target.texels);
     texture.across[axis] = static_cast<float>(v * front.texel[1] * target.texels);
     texture.light[axis] = static_cast<float>(front.light[axis]);
+    texture.slide[axis] = static_cast<float>(front.slide[0] * u + frame.axes[1][axis] + front.slide[1] * v);
   }
   texture.behind = target.asked || (c.progress.phase != CastPhase::idle && c.progress.target == which) ? 1 : 0;
   texture.version = target.completed;
@@ -251,6 +267,7 @@ void sandglass_cast_desc_default(sandglass_cast_desc* desc) {
   desc->mesh_capacity = 16;
   desc->light_tolerance = 0.005f;
   desc->reach = 8;
+  desc->layers = 1;
 }
 
 sandglass_status sandglass_cast_bytes(const sandglass_cast_desc* desc, uint64_t* bytes, const char** reason) {
@@ -266,6 +283,7 @@ void sandglass_cast_plane_default(sandglass_cast_plane* plane) {
   if (!empty_struct(plane)) return;
   plane->normal[1] = plane->along[0] = 1;
   plane->bias = 0.03f;
+  plane->height = 0.15f;
   for (uint32_t axis = 0; axis < 2; ++axis) {
     plane->low[axis] = -0.5f * k_extent_limit;
     plane->high[axis] = 0.5f * k_extent_limit;

@@ -95,12 +95,13 @@ void run(void* handle, uint32_t) { run_unit(&static_cast<sandglass_cast*>(handle
 uint32_t forecast(const void* handle, uint32_t, Forecast* entries) {
   const CastState& c = cast_of(handle);
   uint64_t items[k_cast_kinds] = {};
-  if (c.progress.phase == CastPhase::gather || c.comparison.stale) items[k_cast_gather] = c.comparison.triangles;
+  if (c.progress.phase == CastPhase::gather || c.comparison.stale)
+    items[k_cast_gather] = uint64_t{c.comparison.triangles} * c.desc.layers;
   for (uint32_t which = 0; which < k_cast_targets; ++which) {
     if (!is_pending(c, which)) continue;
     const CastTarget& target = c.targets[which];
     items[k_cast_draw] += target.rows;
-    items[k_cast_calm] += 3 * uint64_t{target.texels} * target.texels;
+    items[k_cast_calm] += 3 * uint64_t{c.desc.layers} * target.texels * target.texels;
   }
   uint32_t count = 0;
   for (uint32_t kind = 0; kind < k_cast_kinds; ++kind)

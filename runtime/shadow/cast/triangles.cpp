@@ -26,8 +26,10 @@ uint32_t index_at(const sandglass_cast_mesh& mesh, uint32_t i) {
   return static_cast<const uint32_t*>(mesh.indices)[i];
 }
 
-// The first group that darkens the plane.
-uint32_t first_dark(const CastGathered& g) { return g.frame.is_virtual ? k_cast_real_closed : k_cast_virtual_closed; }
+// The first part of what darkens the plane.
+uint32_t first_dark(const CastGathered& g) {
+  return g.layers * (g.frame.is_virtual ? k_cast_real_closed : k_cast_virtual_closed);
+}
 
 // How far a triangle's box begins and reaches from the anchor, in the largest of three coordinates.
 void reach_of(const float anchor[3], const float* const corners[3], float* nearest, float* farthest) {
@@ -62,7 +64,7 @@ void emit(CastGathered* g, const float* p, const float* q, const float* r) {
   for (uint32_t i = 0; i < 3; ++i)
     for (uint32_t axis = 0; axis < 3; ++axis) g->corners[3 * i + axis][g->kept] = corners[i][axis];
   ++g->kept;
-  if (g->group < first_dark(*g)) return;
+  if (g->part < first_dark(*g)) return;
   float nearest, farthest;
   reach_of(g->anchor, corners, &nearest, &farthest);
   CastReach* reach = &g->reaches[octave_of(farthest)];
@@ -77,25 +79,41 @@ void emit(CastGathered* g, const float* p, const float* q, const float* r) {
   if (g->mesh == g->first_mesh) ++reach->first_mesh;
 }
 
-// What is above the plane, of something real above the bias: of a triangle that is cut, one triangle or two.
-void emit_above(CastGathered* g, const float corners[3][3]) {
-  const float level = g->group < k_cast_virtual_closed ? g->frame.bias : 0;
-  float kept[4][3];
+// Of a triangle, and of what two cuts leave of it.
+struct Outline {
+  float corners[5][3];
   uint32_t count = 0;
-  for (uint32_t i = 0; i < 3; ++i) {
-    const float *p = corners[i], *q = corners[i == 2 ? 0 : i + 1];
-    if (p[1] > level) memcpy(kept[count++], p, sizeof kept[0]);
+};
+
+// What of an outline is above a level, or what is not.
+Outline cut(const Outline& outline, float level, bool above_it) {
+  Outline kept;
+  for (uint32_t i = 0; i < outline.count; ++i) {
+    const float *p = outline.corners[i], *q = outline.corners[i + 1 == outline.count ? 0 : i + 1];
+    if ((p[1] > level) == above_it) memcpy(kept.corners[kept.count++], p, sizeof kept.corners[0]);
     if ((p[1] > level) == (q[1] > level)) continue;
     // From below to above, so that neighbours cut their common edge at the same place.
     const float *below = p[1] > level ? q : p, *above = p[1] > level ? p : q;
     const float t = (below[1] - level) / (below[1] - above[1]);
-    kept[count][0] = below[0] + t * (above[0] - below[0]);
-    kept[count][1] = level;
-    kept[count][2] = below[2] + t * (above[2] - below[2]);
-    ++count;
+    float* at = kept.corners[kept.count++];
+    at[0] = below[0] + t * (above[0] - below[0]);
+    at[1] = level;
+    at[2] = below[2] + t * (above[2] - below[2]);
   }
-  if (count >= 3) emit(g, kept[0], kept[1], kept[2]);
-  if (count == 4) emit(g, kept[0], kept[2], kept[3]);
+  return kept;
+}
+
+// What of a triangle is between a layer and the next; of something real, both are higher by the bias.
+void emit_part(CastGathered* g, const float corners[3][3]) {
+  const uint32_t layer = g->part % g->layers;
+  const float bias = g->part < k_cast_virtual_closed * g->layers ? g->frame.bias : 0;
+  Outline kept;
+  kept.count = 3;
+  memcpy(kept.corners, corners, 3 * sizeof kept.corners[0]);
+  kept = cut(kept, cast_level(g->frame, g->layers, layer) + bias, true);
+  if (layer + 1 < g->layers && kept.count != 0)
+    kept = cut(kept, cast_level(g->frame, g->layers, layer + 1) + bias, false);
+  for (uint32_t i = 2; i < kept.count; ++i) emit(g, kept.corners[0], kept.corners[i - 1], kept.corners[i]);
 }
 
 // Reads from the newest arrays, because the app may have freed those that the mesh was begun with. False: an index that
@@ -124,11 +142,11 @@ uint32_t readable(const CastMesh& mesh) {
   return now < then ? now : then;
 }
 
-// Groups end at multiples of 16; what fills them up has no area.
-void end_group(CastGathered* g) {
+// Parts end at multiples of 16; what fills them up has no area.
+void end_part(CastGathered* g) {
   for (; g->kept % k_lane_group != 0; ++g->kept)
     for (float* array : g->corners) array[g->kept] = 0;
-  g->starts[++g->group] = g->kept;
+  g->starts[++g->part] = g->kept;
 }
 
 // A mesh's pose, and whether it mirrors.
@@ -152,7 +170,7 @@ void find_anchor(CastGathered* g, CastMesh* meshes, uint32_t mesh_count) {
   for (g->first_mesh = 0; g->first_mesh < mesh_count; ++g->first_mesh) {
     CastMesh* mesh = &meshes[g->first_mesh];
     const uint32_t count = readable(*mesh);
-    if (count == 0 || group_of(mesh->gathered) < first_dark(*g)) continue;
+    if (count == 0 || g->layers * group_of(mesh->gathered) < first_dark(*g)) continue;
     const Pose pose = pose_of(*mesh);
     float places[3][3 * k_anchor_samples];
     uint32_t found = 0;
@@ -178,11 +196,12 @@ void find_anchor(CastGathered* g, CastMesh* meshes, uint32_t mesh_count) {
 bool take_near(CastGathered* g, float farthest) {
   float size = k_near;
   uint32_t count = 0;
-  for (uint32_t round = 0; round < k_cast_reaches; ++round)  // each takes one at least, or is the last
+  const uint32_t spike_max = g->layers > 1 ? 2 * k_spike : k_spike;  // what is above the highest layer may count twice
+  for (uint32_t round = 0; round < k_cast_reaches; ++round)          // each takes one at least, or is the last
     for (CastReach& reach : g->reaches) {
       if (!reach.is_far) continue;
       const float limit = farthest * size;
-      const bool spike = reach.farthest_min > limit && reach.count <= k_spike && k_spike_share * reach.count <= count;
+      const bool spike = reach.farthest_min > limit && reach.count <= spike_max && k_spike_share * reach.count <= count;
       if (farthest > 0 && (spike || (reach.first_mesh == 0 && reach.nearest > limit && count > 0))) continue;
       reach.is_far = false;
       count += reach.count;
@@ -202,9 +221,9 @@ bool take_near(CastGathered* g, float farthest) {
 
 // Takes what is too far out of the gathered triangles.
 bool sift(CastGathered* g) {
-  for (uint32_t left = k_unit_sifted; g->group < k_cast_groups;) {
-    if (g->triangle == g->starts[g->group + 1]) {
-      end_group(g);
+  for (uint32_t left = k_unit_sifted; g->part < k_cast_groups * g->layers;) {
+    if (g->triangle == g->starts[g->part + 1]) {
+      end_part(g);
       continue;
     }
     if (left-- == 0) return false;
@@ -235,7 +254,7 @@ void cast_place(const CastFrame& frame, const float world_from_mesh[16], double 
 }
 
 void cast_begin_gather(CastGathered* g, CastMesh* meshes, const CastRequest& request) {
-  g->group = g->mesh = g->triangle = g->kept = g->left_out = g->too_far = 0;
+  g->part = g->mesh = g->triangle = g->kept = g->left_out = g->too_far = 0;
   g->sifts = false;
   g->first_mesh = request.mesh_count;
   for (float& x : g->anchor) x = 0;
@@ -269,15 +288,15 @@ bool cast_gather(CastGathered* g, CastMesh* meshes, uint32_t mesh_count, float f
   if (g->sifts) return sift(g);
   uint32_t left = k_cast_unit_triangles;
   if (g->first_mesh == mesh_count) find_anchor(g, meshes, mesh_count);
-  while (g->group < k_cast_groups) {
+  while (g->part < k_cast_groups * g->layers) {
     if (g->mesh >= mesh_count) {
-      end_group(g);
+      end_part(g);
       g->mesh = g->triangle = 0;
       continue;
     }
     CastMesh* mesh = &meshes[g->mesh];
     const uint32_t end = readable(*mesh);
-    if (group_of(mesh->gathered) != g->group || g->triangle >= end) {
+    if (group_of(mesh->gathered) != g->part / g->layers || g->triangle >= end) {
       ++g->mesh;
       g->triangle = 0;
       continue;
@@ -285,16 +304,16 @@ bool cast_gather(CastGathered* g, CastMesh* meshes, uint32_t mesh_count, float f
     const Pose pose = pose_of(*mesh);
     for (; g->triangle < end && left > 0; ++g->triangle, --left) {
       float corners[3][3];
-      if (corners_of(mesh, g->triangle, pose.rows, pose.mirrored, corners)) emit_above(g, corners);
-      else ++g->left_out;
+      if (corners_of(mesh, g->triangle, pose.rows, pose.mirrored, corners)) emit_part(g, corners);
+      else if (g->part % g->layers == 0) ++g->left_out;
     }
     if (left == 0) return false;
   }
   for (CastReach& reach : g->reaches) reach.is_far = reach.count > 0;
   if (take_near(g, farthest)) return true;
   g->sifts = true;
-  g->group = first_dark(*g);
-  g->triangle = g->kept = g->starts[g->group];
+  g->part = first_dark(*g);
+  g->triangle = g->kept = g->starts[g->part];
   return false;
 }
 

@@ -196,6 +196,7 @@ void sandglass_pile_shadow_get_texture(const sandglass_pile_shadow* shadow, sand
   const uint8_t* const bytes[] = {light.floor, light.sand, s.front.floor, s.front.sand, s.front.heights};
   const bool of_light = part <= SANDGLASS_PILE_SHADOW_SAND, heights = part == SANDGLASS_PILE_SHADOW_HEIGHTS;
   sandglass_texture texture = {};
+  texture.layers = 1;
   if (part >= 0 && part <= SANDGLASS_PILE_SHADOW_HEIGHTS && bytes[part] != nullptr && (of_light || s.texels != 0)) {
     const bool stale = ((p.request.asked | p.progress.making) & (of_light ? k_ask_light : k_ask_sky)) != 0;
     const PileRectangle& r = p.rectangle;
