@@ -16,6 +16,8 @@ constexpr uint64_t k_golden_light = 9354677186882402299u, k_golden_ambient = 132
 constexpr uint64_t k_masked_light = 11740255921287245747u;  // where the main light's share is not told
 constexpr uint64_t k_virtual_light = 11816735309424607936u,
                    k_virtual_ambient = 18222647050159184682u;  // without what is real
+constexpr uint64_t k_layered_light = 231108006817373538u,
+                   k_layered_ambient = 1671331291642172352u;  // three layers, with it
 
 TEST(Cast, OneHashOnEveryInstructionSet) {
   const Mixed scene;
@@ -40,6 +42,11 @@ TEST(Cast, OneHashOnEveryInstructionSet) {
     // The control: a flat texture would prove little.
     EXPECT_GT(std::set<uint8_t>(light.begin(), light.end()).size(), 100u);
     EXPECT_GT(std::set<uint8_t>(ambient.begin(), ambient.end()).size(), 50u);
+    if (!with_table) continue;
+    desc.layers = 3;
+    const auto [layered_light, layered_ambient] = both_of(lit(meshes, towards(35, 70), 0.4f, desc));
+    EXPECT_EQ(hash_bytes(layered_light.data(), layered_light.size()), k_layered_light) << i;
+    EXPECT_EQ(hash_bytes(layered_ambient.data(), layered_ambient.size()), k_layered_ambient) << i;
   }
 }
 

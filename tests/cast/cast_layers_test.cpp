@@ -74,6 +74,7 @@ TEST(CastLayers, ThePlaneIsAsWithoutLayers) {
                           four = lit(scene.meshes(), towards(elevation, 70), 0.4f, layered(4));
     EXPECT_EQ(one.texture().layers, 1u);
     EXPECT_EQ(four.texture().layers, 4u);
+    EXPECT_NEAR(four.report().open, one.report().open, 0.01f);
     const Bytes light = light_of(four), sky = bytes_of(four.ambient());
     ASSERT_EQ(light.size(), 4 * light_of(one).size());
     EXPECT_LE(farthest({light.begin(), light.begin() + 128 * 128}, light_of(one)), 8) << elevation;
