@@ -48,7 +48,7 @@ REFUSED = {
     "stage.addModel({ scene: model })": "Of a loaded glTF pass gltf.scene",
     "stage.pour({ position: [0, 1, 0] })": "Call createSand first",
     "stage.update(NaN)": "the seconds since the last frame",
-    "createStage(THREE, { renderer, scene, bugdet: 3 })": "It takes: sand, source, threads, origin, half, budget",
+    "createStage(THREE, { renderer, scene, bugdet: 3 })": "It takes: sand, source, threads, origin, half, height, budget",
     "createStage(THREE, { renderer, scene, origin: 3 })": "origin must be 3 numbers",
     "stage.receive(floor.material, { shadowonly: true })": "It takes: shadowOnly",
     "stage.see(room, camera)": "Of a texture pass its image",

@@ -196,6 +196,11 @@ def patched(page):
     check(lost["shadow"] > 0.1, f"there shadows change {lost['shadow']:.0%} of the picture")
 
 
+def raised(page, kind):
+    found = page.ask(f"raised({json.dumps(kind)})")
+    check(found["off"] <= 2 and found["control"] > 40, f"three, {kind}: what stands on the floor, off by: {found}")
+
+
 def readme(page, folder):
     """Its example runs as it is printed, with another renderer's name: shadow and sand are seen."""
     text = "".join(re.findall(r"```js\n(.*?)```", (HERE.parents[2] / "toolchains/web/README.md").read_text(), re.DOTALL)[:2])
@@ -268,12 +273,14 @@ def main(arguments):
         as_a_mesh(page, "webgl")
         patched(page)
         for kind in ("webgl", "nodes on webgl"):
+            raised(page, kind)
             views(page, kind)
             glass(page, kind)
     # What draws by WebGPU must do without WebGL.
     address += "?without=webgl2"
     with Page(address) as page:
         same_picture(page, folder, "three", "nodes")
+        raised(page, "nodes")
         same_picture(page, folder, "babylon", "nodes")
         glass(page, "nodes")
         as_a_mesh(page, "nodes")  # the last: once one renderer has reversed depth, three draws nothing by others of the page

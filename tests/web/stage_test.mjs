@@ -1,4 +1,5 @@
-// Models that stand so far apart that their common shadow is coarse: that is said, once; of those that stand near it is not.
+// Models that stand so far apart that their common shadow is coarse: that is said, once; of those that stand near it is not. For
+// what receives above the floor there are layers, of which a shadow is in those below its model.
 // node stage_test.mjs NPM_FOLDER
 import assert from "node:assert/strict";
 import { pathToFileURL } from "node:url";
@@ -32,3 +33,23 @@ for (const [away, times] of [
   if (times) assert.match(said[0], /texels of \d+\.\d cm/);
 }
 console.log("a coarse shadow is said once");
+
+for (const height of [undefined, 0.6]) {
+  const stage = await Stage.create({ height });
+  stage.addModel({ positions, indices, position: [0, 0.25, 0], rotation: [0, 0, 0, 1] });
+  let drawn = stage.frame(1 / 60);
+  for (let i = 0; i < 200 && !drawn.textures.shadow; ++i) drawn = stage.frame(1 / 60);
+  const { side, bytes } = drawn.textures.shadow;
+  const layers = height ? 4 : 1;
+  assert.equal(bytes.length, layers * side ** 2);
+  assert.deepEqual(drawn.layers, height ? [4, 3 / height] : [1, 0]);
+  const [x, y, z] = drawn.light.toLight;
+  [x / y, z / y].forEach((along, k) => assert.ok(Math.abs(drawn.slide[k] - along) < 0.1, `${drawn.slide} ${along}`));
+  assert.equal(drawn.slide[2], 0.5 / side);
+  const dark = Array.from({ length: layers }, (_, k) =>
+    bytes.subarray(k * side ** 2, (k + 1) * side ** 2).some((byte) => byte > 200),
+  );
+  assert.deepEqual(dark, height ? [true, true, false, false] : [true]); // at 0, 0.2, 0.4 and 0.6 m, of a box up to 0.35 m
+  stage.end();
+}
+console.log("a shadow has layers, up to its model");

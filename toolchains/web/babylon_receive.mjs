@@ -58,7 +58,7 @@ export const textureMaker = ({ RawTexture, Constants }, scene) => ({
   make(side, bytes) {
     const { TEXTURE_BILINEAR_SAMPLINGMODE, TEXTURETYPE_UNSIGNED_BYTE, TEXTURE_CLAMP_ADDRESSMODE } = Constants;
     const how = [scene, false, false, TEXTURE_BILINEAR_SAMPLINGMODE, TEXTURETYPE_UNSIGNED_BYTE];
-    const made = RawTexture.CreateRTexture(bytes.slice(), side, side, ...how);
+    const made = RawTexture.CreateRTexture(bytes.slice(), side, bytes.length / side, ...how);
     made.wrapU = made.wrapV = TEXTURE_CLAMP_ADDRESSMODE;
     return made;
   },

@@ -12,16 +12,9 @@ export const receiverValues = (drawn) => ({
   sandglass_shadow_box: drawn.shadowBox,
   sandglass_occlusion_box: drawn.occlusionBox,
   sandglass_numbers: [drawn.pileOpacity, drawn.shadowOpacity, drawn.skyKnown, drawn.floor],
-  ...layersOf(drawn),
+  sandglass_slide: drawn.slide,
+  sandglass_layers: [...drawn.layers, 0, 0],
 });
-// Where what stands on the floor reads the shadow: along the light.
-function layersOf({ light: { toLight } }) {
-  const [x, y, z] = toLight;
-  return {
-    sandglass_slide: [x, z].map((along) => along / Math.max(y, 0.05)).concat(0, 0),
-    sandglass_layers: [1, 0, 0, 0],
-  };
-}
 
 // Values of the kit's uniforms for light and shadows (uniforms.glsl).
 export const kitValues = (drawn) => ({

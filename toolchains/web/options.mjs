@@ -1,7 +1,7 @@
 // What the calls of a stage take, and the sentence that refuses something else.
 
 // How many numbers an option has, 1 of them above 0; 0: something else.
-export const k_options = { sand: 0, source: 0, threads: 1, origin: 3, half: 1, budget: 1, reflections: 0 };
+export const k_options = { sand: 0, source: 0, threads: 1, origin: 3, half: 1, height: 1, budget: 1, reflections: 0 };
 export const k_model_options = { shadow: 0, collide: 0 };
 export const k_sand_options = { particles: 1, radius: 1 };
 export const k_view_options = { orientation: 4, position: 3, diagonal: 1, centre: 2, exposure: 0, ms: 0 };

@@ -2,7 +2,8 @@
 const k_unknown = { pile: 0, shadow: 0, occlusion: 255, sky: 255 }; // their one byte where nothing is known yet
 
 export class ShadowTextures {
-  // `engine`: make(side, bytes), fill(texture, bytes) and sideOf(texture). `placed(name, texture)` is called with each new one.
+  // `engine`: make(side, bytes), which may be several squares one above the other, fill(texture, bytes) and sideOf(texture).
+  // `placed(name, texture)` is called with each new one.
   constructor(engine, placed) {
     Object.assign(this, { engine, placed, all: {} });
     for (const [name, level] of Object.entries(k_unknown)) this.show(name, { side: 1, bytes: Uint8Array.of(level) });
@@ -29,7 +30,11 @@ export class ShadowTextures {
 // Of frame(), what sand shows by which name of the kit.
 const k_on_sand = { pile: "onSand", shadow: "shadow", occlusion: "occlusion", sky: "skyOnSand" };
 export function showOnSand(textures, drawn) {
-  for (const [name, of] of Object.entries(k_on_sand)) if (drawn.textures[of]) textures.show(name, drawn.textures[of]);
+  for (const [name, of] of Object.entries(k_on_sand)) {
+    if (!drawn.textures[of]) continue;
+    const { side, bytes } = drawn.textures[of];
+    textures.show(name, { side, bytes: bytes.subarray(0, side ** 2) }); // the floor's layer
+  }
 }
 
 // What frame() gives before there is anything to draw.
@@ -38,6 +43,8 @@ export const nothingDrawn = {
   pileBox: [0, 0, 0, 0],
   shadowBox: [0, 0, 0, 0],
   occlusionBox: [2, 2, 0, 0],
+  slide: [0, 0, 0, 0],
+  layers: [1, 0],
   floor: 0,
   pileOpacity: 0,
   shadowOpacity: 0,

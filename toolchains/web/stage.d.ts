@@ -12,6 +12,8 @@ export interface StageOptions {
   threads?: number;
   origin?: Triple;
   half?: number;
+  /** Metres above the floor, up to which materials that receive shadows stand. Their shadows then take 1.4 to 1.9 times as long. */
+  height?: number;
   budget?: number;
   /** The room keeps what metal reflects: sandglass_room_get_cube(). */
   reflections?: boolean;
@@ -126,6 +128,10 @@ export interface Drawn {
   pileBox: number[];
   shadowBox: number[];
   occlusionBox: number[];
+  /** x and z of the shadow's slide; half a texel, of shadow and occlusion. */
+  slide: number[];
+  /** How many layers shadow and occlusion have; that less 1, over the height of the highest. */
+  layers: number[];
   boxes: { shadow: number[]; occlusion: number[]; wallShadow?: number[]; wallOcclusion?: number[] };
   pileOpacity: number;
   shadowOpacity: number;

@@ -57,7 +57,8 @@ export class Stage {
   #emitters;
 
   // `sand`: of load(); or `source` and `threads` for it. `origin`: a point of the floor; sand throws shadows up to `half`
-  // metres around it. `budget`: milliseconds that a frame of the library may take.
+  // metres around it. `height`: metres above the floor, up to which materials that receive shadows stand; without it their
+  // shadow is that of the floor. `budget`: milliseconds that a frame of the library may take.
   static async create(options = {}) {
     checked("createStage", options, k_options);
     const { sand, source, threads = 1, ...own } = options;
@@ -69,9 +70,9 @@ export class Stage {
     if (this.#loaded) this.sand.end();
   }
 
-  constructor(sand, { origin = [0, 0, 0], half = 0.64, budget = 8, reflections = false } = {}) {
+  constructor(sand, { origin = [0, 0, 0], half = 0.64, height, budget = 8, reflections = false } = {}) {
     this.sand = sand;
-    this.#options = { origin: numbersOf(origin, 3), half };
+    this.#options = { origin: numbersOf(origin, 3), half, height };
     this.#light = new PlaceLight(sand, this.#options.origin, reflections);
     this.#shadows = new StageShadows(sand, this.#options, k_models);
     this.#report = sand.make("sandglass_frame_report");

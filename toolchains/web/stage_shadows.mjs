@@ -5,6 +5,7 @@ import { made, matrixOf } from "./mesh_field.mjs";
 
 const k_texels = { pile: 128, sky: 64, shadow: 256, occlusion: 128 };
 const k_planes = 2; // the floor and the wall
+const k_layers = 4; // of the floor's shadows, where something that receives them stands on it
 const k_cast_textures = [
   ["shadow", "occlusion"],
   ["wallShadow", "wallOcclusion"],
@@ -19,7 +20,7 @@ const scalar_product = (a, b) => a.reduce((sum, c, k) => sum + c * b[k], 0);
 
 export class StageShadows {
   #sand;
-  #area; // { origin, half } of the sand's shadows
+  #area; // { origin, half } of the sand's shadows; and `height`, up to which something receives those of models
   #capacity; // of models
   #triangles = k_triangles;
   #casts = []; // handles, of the floor and of the wall
@@ -32,6 +33,7 @@ export class StageShadows {
   #words;
   #pile = 0;
   #boxes = {};
+  #slide = [0, 0]; // x and z of the floor's shadow
   #shown = {};
   #warned = false;
   behind = 0; // of textures that show what was
@@ -44,14 +46,14 @@ export class StageShadows {
     this.#capacity = models;
     this.#texture = sand.make("sandglass_texture");
     this.#words = sand.allocate(4 * constants.SANDGLASS_LIGHT_CELLS);
-    this.#setPlane(0, { origin: area.origin });
+    this.#setPlane(0, { origin: area.origin, ...(area.height && { height: area.height }) });
   }
 
   // What is refused leaves the planes and the casts as they were.
   #setPlane(which, fields) {
     const sand = this.#sand;
     const plane = sand.make("sandglass_cast_plane");
-    const cast = this.#casts[which] ?? this.#madeCast(this.#triangles);
+    const cast = this.#casts[which] ?? this.#madeCast(which, this.#triangles);
     try {
       sand.sandglass_cast_plane_default(plane);
       plane.set(fields);
@@ -65,14 +67,18 @@ export class StageShadows {
     this.#cast_planes[which] = plane;
     this.#setCast(which, cast);
   }
-  #madeCast(triangles) {
+  #madeCast(which, triangles) {
     return made(this.#sand, "sandglass_cast", {
+      layers: which === 0 ? this.#layers : 1,
       texels: k_texels.shadow,
       ambient_texels: k_texels.occlusion,
       mesh_capacity: this.#capacity,
       reach: 0, // all models cast
       triangle_capacity: triangles,
     });
+  }
+  get #layers() {
+    return this.#area.height ? k_layers : 1;
   }
   #setCast(which, cast) {
     this.#casts[which] = cast;
@@ -98,7 +104,7 @@ export class StageShadows {
     const casts = [];
     try {
       for (const plane of this.#cast_planes) {
-        casts.push(this.#madeCast(room));
+        casts.push(this.#madeCast(casts.length, room));
         sand.sandglass_cast_set_plane(casts.at(-1), plane);
       }
     } catch (error) {
@@ -205,8 +211,11 @@ export class StageShadows {
       k_cast_textures[which].forEach((name, k) => {
         this.#sand[`sandglass_cast_get_${k === 0 ? "texture" : "ambient"}`](handle, this.#texture);
         if (!this.#take(textures, name, handle)) return;
-        const { corner, along, across } = this.#texture;
-        if (name === "shadow") this.#warn(Math.hypot(...along) / this.#texture.side, models);
+        const { corner, along, across, slide } = this.#texture;
+        if (name === "shadow") {
+          this.#warn(Math.hypot(...along) / this.#texture.side, models);
+          this.#slide = [slide[0], slide[2]];
+        }
         this.#boxes[name] = [
           scalar_product(x, corner) - scalar_product(x, at),
           scalar_product(z, corner) - scalar_product(z, at),
@@ -224,6 +233,8 @@ export class StageShadows {
       pileBox: [origin[0] - half, origin[2] - half, 0.5 / half, 0.5 / half],
       shadowBox: boxes.shadow,
       occlusionBox: boxes.occlusion,
+      slide: [...this.#slide, 0.5 / k_texels.shadow, 0.5 / k_texels.occlusion],
+      layers: [this.#layers, (this.#layers - 1) / (this.#area.height ?? 1)],
       boxes,
       shadowOpacity: this.#boxes.shadow ? 1 : 0,
       ...pile,
@@ -242,12 +253,12 @@ export class StageShadows {
   }
   // The texture that the library has given last, where it is another than before.
   #take(textures, name, handle) {
-    const { behind, valid, version, side, bytes } = this.#texture;
+    const { behind, valid, version, side, bytes, layers } = this.#texture;
     const key = `${handle} ${version}`;
     this.behind += behind;
     if (!valid || this.#shown[name] === key) return false;
     this.#shown[name] = key;
-    textures[name] = { side, bytes: this.#sand.bytes(bytes, side ** 2) };
+    textures[name] = { side, bytes: this.#sand.bytes(bytes, layers * side ** 2) };
     return true;
   }
 

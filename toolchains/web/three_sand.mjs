@@ -171,7 +171,7 @@ export const sameTexture = (texture) => Object.assign(texture.clone(), { needsUp
 // Textures of one byte a texel, as a stage gives them.
 export const textureMaker = ({ DataTexture, LinearFilter, RedFormat }) => ({
   make: (side, bytes) =>
-    Object.assign(new DataTexture(new Uint8Array(bytes), side, side, RedFormat), {
+    Object.assign(new DataTexture(new Uint8Array(bytes), side, bytes.length / side, RedFormat), {
       minFilter: LinearFilter,
       magFilter: LinearFilter,
       unpackAlignment: 1,

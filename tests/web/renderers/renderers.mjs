@@ -397,6 +397,59 @@ function floorOf(THREE, kind, material) {
   return tiles;
 }
 
+// A surface above the floor is lit as by one layer which holds what the rule of the slide makes of three there; control: as by the
+// floor's. In steps of a byte.
+export async function raised(kind) {
+  const [number, height, above, texels] = [3, 0.4, 0.25, 16];
+  const slide = [0.7, -0.3];
+  const box = [-0.7, -0.7, 1 / 1.4, 1 / 1.4];
+  const layer = (above / height) * (number - 1);
+  const lower = Math.floor(layer);
+  const layersOf = (turn) =>
+    Array.from({ length: number }, (_, k) =>
+      Uint8Array.from({ length: texels ** 2 }, (_, i) => 127 + 110 * Math.sin(turn + 2 * k + 0.5 * i + 0.9 * (i >> 4))),
+    );
+  const joined = (layers) => Uint8Array.from(layers.flatMap((one) => [...one]));
+  const blended = (layers) =>
+    layers[0].map((_, i) => Math.round(layers[lower][i] + (layer - lower) * (layers[lower + 1][i] - layers[lower][i])));
+  const [shadow, occlusion] = [layersOf(0), layersOf(1)];
+  const seen = async (of, change) => {
+    const textures = {};
+    Object.entries({ shadow, occlusion }).forEach(
+      ([name, layers]) => (textures[name] = { side: texels, bytes: of(layers) }),
+    );
+    const drawn = {
+      floor: 0,
+      shadowBox: box,
+      occlusionBox: box,
+      shadowOpacity: 1,
+      pileOpacity: 0,
+      skyKnown: 0,
+      textures,
+      ...change,
+    };
+    const made = await threeScene(kind, { change: (recorded) => ({ ...recorded, ...drawn }) });
+    const { THREE, scene, stage, look, renderer, group } = made;
+    const material = new THREE.MeshStandardMaterial({ roughness: 1 });
+    stage.receive(material);
+    scene.add(new THREE.Mesh(new THREE.PlaneGeometry(1.2, 1.2).rotateX(-Math.PI / 2).translate(0, above, 0), material));
+    stage.update(1 / 60);
+    group.visible = false;
+    const bytes = await look();
+    done(renderer);
+    return bytes;
+  };
+  const half = 0.5 / texels;
+  const layered = await seen(joined, { slide: [...slide, half, half], layers: [number, (number - 1) / height] });
+  const slid = [box[0] + slide[0] * above, box[1] + slide[1] * above, box[2], box[3]];
+  const flat = { slide: [0, 0, half, half], layers: [1, 0] };
+  const farthest = (other) => layered.reduce((most, byte, i) => Math.max(most, Math.abs(byte - other[i])), 0);
+  return {
+    off: farthest(await seen(blended, { ...flat, shadowBox: slid })),
+    control: farthest(await seen((layers) => layers[0], { ...flat, shadowBox: slid })),
+  };
+}
+
 // The README's example: pixels that shadows darken, and that sand makes warmer.
 export async function readme() {
   const canvas = document.body.appendChild(document.createElement("canvas"));
