@@ -83,8 +83,8 @@ typedef struct sandglass_cast_desc {
    * Default: 8. */
   float reach;
   /* 1..8: at how many heights shadows are made, for what stands on the plane, see above. Four take 1.4 to 1.9 times as long
-   * as one; each takes as many bytes for textures and counts as one. Triangles that a layer cuts count up to three times:
-   * there is room for 1024 of each layer, or two for each of a coarse mesh. Default: 1, for the plane alone. */
+   * as one, and at the plane's end up to 2.8 times. A triangle that a layer cuts counts up to twice more: each layer has room
+   * for so many of all triangles, at most for an eighth and 1024 more. Default: 1, for the plane alone. */
   uint32_t layers;
 } sandglass_cast_desc;
 
