@@ -19,12 +19,12 @@ struct RigidMotion {
 
   Quad turned(const Quad& r) const { return (turn[0] * r[0] + turn[1] * r[1]) + turn[2] * r[2]; }
   Quad displacement(const Quad& x) const { return turned(x - from) + shift; }
-  void move(float x[3]) const { add(displacement(quad(x)), x); }
-  void rotate(float v[3]) const { add(turned(quad(v)), v); }
+  void move(float x[3]) const { put(quad(x) + displacement(quad(x)), x); }
+  void rotate(float v[3]) const { put(quad(v) + turned(quad(v)), v); }
 
  private:
-  static void add(const Quad& u, float x[3]) {
-    for (int k = 0; k < 3; ++k) x[k] += u[k];
+  static void put(const Quad& u, float x[3]) {
+    for (int k = 0; k < 3; ++k) x[k] = u[k];
   }
 };
 

@@ -13,6 +13,7 @@ constexpr float k_rubbed = 0.5f;   // of the time given up, what counts for the 
 constexpr float k_pressed = 0.5f;  // radii from another collider; what is nearer is pressed into it
 constexpr float k_room_step = 1.5f;    // radii that are looked at at once; no wall of two radii lies between
 constexpr uint32_t k_room_steps = 32;  // at most
+constexpr uint32_t k_together = 4;     // times sixteen particles that are first taken for held by one collider
 
 // ---- moving what is held
 
@@ -34,24 +35,28 @@ CarriedMotion carried_motion(const Granular& g, const Carrier& carrier, float mo
   return c;
 }
 
-// A copy of a particle, which holds `scale` seconds of its velocity.
-void carry_copy(const CarriedMotion& c, float scale, Particle* p) {
-  struct Halves {
+// A copy of the particles of the bits, which holds `scale` seconds of their velocities. The motion is copied, too: it
+// stays in registers, whatever is written.
+void carry_copies(const CarriedMotion& carried, float scale, Particle* records, uint32_t which) {
+  const CarriedMotion c = carried;
+  const float limit = c.speed_max * scale;
+  for_bits(which, records, [&](Particle* p) {
+    const uint32_t identity = p->identity;
     Quad at, velocity;
-  } halves;
-  static_assert(sizeof halves == sizeof *p);
-  const uint32_t identity = p->identity;
-  __builtin_memcpy(&halves, p, sizeof halves);
-  const Quad gained = c.gain.displacement(halves.at);
-  halves.at += c.motion.displacement(halves.at);
-  halves.velocity += c.motion.turned(halves.velocity);
-  if (scale != 0.0f) {
-    halves.velocity += gained * scale;
-    const float speed2 = square_of(halves.velocity), limit = c.speed_max * scale;
-    if (speed2 > limit * limit) halves.velocity *= limit / __builtin_sqrtf(speed2);
-  }
-  __builtin_memcpy(p, &halves, sizeof halves);
-  p->identity = identity;  // no number
+    __builtin_memcpy(&at, p->position, sizeof at);
+    __builtin_memcpy(&velocity, p->velocity, sizeof velocity);
+    const Quad arm = at - c.motion.from;
+    at += c.motion.turned(arm) + c.motion.shift;
+    velocity += c.motion.turned(velocity);
+    if (scale != 0.0f) {
+      velocity += (c.gain.turned(arm) + c.gain.shift) * scale;
+      const float speed2 = square_of(velocity);
+      if (speed2 > limit * limit) velocity *= limit / __builtin_sqrtf(speed2);
+    }
+    __builtin_memcpy(p->position, &at, sizeof at);
+    __builtin_memcpy(p->velocity, &velocity, sizeof velocity);
+    p->identity = identity;  // no number
+  });
 }
 
 // What a particle's copies hold as velocity while a sub-step is under way: so many seconds of it. 1: a velocity. 0: there
@@ -67,23 +72,26 @@ float second_scale(const Granular& g, uint32_t group, uint32_t active_before) {
 }
 
 struct Sixteen {
-  uint32_t first, count;  // particles
-  float scale;            // of their copies
-  Bounds box;             // around all that have not departed
-  uint32_t here, free;    // bits: these; and of them what is sand
+  uint32_t first, count;       // particles
+  float scale;                 // of their copies
+  Bounds box;                  // around all that have not departed
+  uint32_t here, free, awake;  // bits: these; and of them what is sand; what is awake
 };
 
-void carry_one(Carry* c, const Granular& g, uint32_t i, const CarriedMotion& carried, float gains, float scale,
-               bool hollow) {
-  Particle& p = g.particles.records[0][i];
-  const bool awake = is_awake(p);
-  carry_copy(carried, awake ? gains : 0.0f, &p);
-  for (uint32_t copy = 1; copy < 3 && (!awake || scale != 0.0f); ++copy)
-    if (g.particles.records[copy] != nullptr)
-      carry_copy(carried, awake ? gains * scale : 0.0f, &g.particles.records[copy][i]);
-  if (!awake) bounds_include(&c->resting, p.position);
-  sleep_carry(g, number_of(p), carried.motion);
-  if (hollow) motion_carry(g.motion, g, number_of(p), carried.motion);
+void carry_bits(Carry* c, const Granular& g, const Sixteen& it, uint32_t which, const CarriedMotion& carried,
+                float gains, bool hollow) {
+  for (uint32_t copy = 0; copy < 3; ++copy) {
+    if (g.particles.records[copy] == nullptr) continue;
+    Particle* const records = g.particles.records[copy] + it.first;
+    const float scale = copy == 0 ? 1.0f : it.scale;
+    if (scale != 0.0f) carry_copies(carried, gains * scale, records, which & it.awake);
+    carry_copies(carried, 0.0f, records, which & ~it.awake);
+  }
+  const Particle* const records = g.particles.records[0] + it.first;
+  for (uint32_t rest = which & ~it.awake; rest != 0; rest &= rest - 1)
+    bounds_include(&c->resting, records[__builtin_ctz(rest)].position);
+  sleep_carry(g, records, which, carried.motion);
+  if (hollow) motion_carry(g.motion, g, records, which, carried.motion);
 }
 
 // Moves one that only lies on a collider: with its rise and fall, and else by the share of its displacement that
@@ -109,7 +117,7 @@ void carry_lying(Carry* c, const Granular& g, const Sixteen& it, uint32_t i, uin
   const float length = __builtin_sqrtf(square_of(carried.motion.shift));
   Bounds& held = c->held[c->group_of[holder]];
   bounds_include(&held, p.position);
-  carry_one(c, g, i, carried, 1.0f, it.scale, false);
+  carry_bits(c, g, it, 1u << (i - it.first), carried, 1.0f, false);
   bounds_include(&held, p.position);
   c->displacement_max = length > c->displacement_max ? length : c->displacement_max;
   float speed2 = 0.0f;
@@ -130,8 +138,7 @@ float carry_some(Carry* c, const Granular& g, const Sixteen& it, uint32_t holder
   bounds_join(&held, *after);
   c->displacement_max = displacement > c->displacement_max ? displacement : c->displacement_max;
   const bool hollow = c->groups[c->group_of[holder]].hollow;
-  for (uint32_t l = 0; l < it.count; ++l)
-    if ((mask >> l & 1) != 0) carry_one(c, g, it.first + l, carried, gains, it.scale, hollow);
+  carry_bits(c, g, it, mask, carried, gains, hollow);
   return displacement;
 }
 
@@ -169,7 +176,7 @@ uint32_t find_room(const Granular& g, uint32_t holder, const HeldLanes& lanes, u
       const float share = static_cast<float>(s) / static_cast<float>(steps);
       for (int k = 0; k < 3; ++k)
         for (uint32_t l = 0; l < lanes.count; ++l) at[k][l] = lanes.at[k][l] + share * displacements[k][l];
-      holding_measure(g, holding_posed(g, other, share), at, scratch.distance, nullptr, lanes.count);
+      holding_measure(g, holding_posed(g, other, share), at, scratch.distance, lanes.count);
       for (uint32_t l = 0; l < lanes.count; ++l) mask &= scratch.distance[l] < k_pressed * r ? ~(1u << l) : ~0u;
     }
   }
@@ -193,39 +200,43 @@ bool may_meet_standing(const Granular& g, uint32_t group, const Bounds& here) {
 
 // ---- sixteen particles
 
-bool read_sixteen(const Granular& g, uint32_t group, uint32_t active_before, Sixteen* it) {
+// Around those of the bits. The fourth sides are mobilities. Returns what is set in one of their identities.
+uint32_t find_box(const Particle* records, uint32_t which, Quad* low, Quad* high) {
+  typedef uint32_t Words __attribute__((vector_size(16)));
+  Quad l = Quad{} + 3e38f, h = Quad{} - 3e38f;
+  Words all = {};
+  for_bits(which, records, [&](const Particle* p) {
+    Quad at;
+    Words words;
+    __builtin_memcpy(&at, p->position, sizeof at);
+    __builtin_memcpy(&words, p->velocity, sizeof words);
+    l = at < l ? at : l;
+    h = at > h ? at : h;
+    all |= words;
+  });
+  *low = l;
+  *high = h;
+  return all[3];
+}
+
+Bounds box_of(const Quad& low, const Quad& high) { return {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}}; }
+
+void read_sixteen(const Granular& g, uint32_t group, uint32_t active_before, Sixteen* it) {
   it->first = group * k_lane_group;
   it->count = g.particles.count - it->first < k_lane_group ? g.particles.count - it->first : k_lane_group;
   it->scale = second_scale(g, group, active_before);
-  it->here = it->free = 0;
-  Quad low = Quad{} + 3e38f, high = Quad{} - 3e38f;
-  for (uint32_t l = 0; l < it->count; ++l) {
-    const Particle& p = g.particles.records[0][it->first + l];
-    if (has_departed(p)) continue;
-    it->here |= 1u << l;
-    it->free |= in_body(p) ? 0 : 1u << l;
-    Quad at;
-    __builtin_memcpy(&at, p.position, sizeof at);
-    low = at < low ? at : low;
-    high = at > high ? at : high;
-  }
-  for (int k = 0; k < 3; ++k) {
-    it->box.low[k] = low[k];
-    it->box.high[k] = high[k];
-  }
-  return it->here != 0;
-}
-
-void read_lanes(const Granular& g, const Sixteen& it, HeldLanes* lanes) {
-  const uint32_t instead = static_cast<uint32_t>(__builtin_ctz(it.here));
-  lanes->count = it.count;
-  for (uint32_t l = 0; l < k_lane_group; ++l) {
-    const Particle& p = g.particles.records[0][it.first + ((it.here >> l & 1) != 0 ? l : instead)];
-    for (int k = 0; k < 3; ++k) {
-      lanes->at[k][l] = p.position[k];
-      lanes->velocity[k][l] = p.velocity[k];
+  const Particle* const records = g.particles.records[0] + it->first;
+  Quad low, high;
+  it->here = it->free = it->awake = (1u << it->count) - 1;
+  if (find_box(records, it->here, &low, &high) > k_number_mask) {  // not sand alone
+    for (uint32_t l = 0; l < it->count; ++l) {
+      it->here &= has_departed(records[l]) ? ~(1u << l) : ~0u;
+      it->free &= has_departed(records[l]) || in_body(records[l]) ? ~(1u << l) : ~0u;
     }
+    find_box(records, it->here, &low, &high);
   }
+  for (uint32_t l = 0; l < it->count && !(low[3] > 0.0f); ++l) it->awake &= is_awake(records[l]) ? ~0u : ~(1u << l);
+  it->box = box_of(low, high);
 }
 
 // Out of what stands, of each by no more than depth_max.
@@ -252,27 +263,17 @@ void settle_lanes(Carry* c, const Granular& g, uint32_t group, const Sixteen& it
   }
 }
 
-// The collider that holds these particles, for certain; else k_no_holder.
-uint32_t sole_holder(const Granular& g, uint32_t begin, uint32_t end) {
+// The collider that holds all in the box, for certain; else k_no_holder.
+uint32_t sole_holder(const Granular& g, const Bounds& box) {
   HeldGroup& group = scratch_of(g).group;
-  Quad low = Quad{} + 3e38f, high = Quad{} - 3e38f;
-  for (uint32_t i = begin; i < end; ++i) {
-    Quad at;
-    __builtin_memcpy(&at, g.particles.records[0][i].position, sizeof at);
-    low = at < low ? at : low;
-    high = at > high ? at : high;
-  }
-  for (int k = 0; k < 3; ++k) {
-    group.box.low[k] = low[k];
-    group.box.high[k] = high[k];
-  }
+  group.box = box;
   holding_find_near(g, &group);
   return group.some ? holding_sole(g, group) : k_no_holder;
 }
 
 // All by one collider. False: some are of bodies, or departed.
 bool carry_all(Carry* c, const Granular& g, const Sixteen& it, uint32_t holder) {
-  const uint32_t all = it.count == k_lane_group ? (1u << k_lane_group) - 1 : (1u << it.count) - 1;
+  const uint32_t all = (1u << it.count) - 1;
   if (it.free != all) return false;
   Bounds after = k_nowhere;
   const float displacement = carry_some(c, g, it, holder, all, &after);
@@ -284,26 +285,27 @@ bool carry_all(Carry* c, const Granular& g, const Sixteen& it, uint32_t holder) 
 }
 
 // `sole`: holds all of them, if it is known.
-void run_group(Carry* c, const Granular& g, uint32_t number, uint32_t active_before, uint32_t sole) {
-  Sixteen it;
-  if (!read_sixteen(g, number, active_before, &it)) return;
+void run_group(Carry* c, const Granular& g, const Sixteen& it, uint32_t sole) {
   if (sole != k_no_holder && carry_all(c, g, it, sole)) return;
   HeldGroup& group = scratch_of(g).group;
   group.box = it.box;
   holding_find_near(g, &group);
   if (group.some && sole == k_no_holder) sole = holding_sole(g, group);
   if (sole != k_no_holder && carry_all(c, g, it, sole)) return;
-  if (!group.some && it.here == it.free) {
-    giving_note(c, g, it.box, it.first, it.free, it.scale);
-    return bounds_join(&c->standing, it.box);
-  }
   HeldLanes& lanes = scratch_of(g).lanes;
   auto& holder = scratch_of(g).holder;
   auto& moved = scratch_of(g).moved;
+  bool some = group.some || it.here != it.free;
+  if (some) {
+    holding_read(reinterpret_cast<const Record*>(g.particles.records[0] + it.first), it.count, it.here, &lanes);
+    some = holding_find(g, group, lanes, holder) || it.here != it.free;
+  }
+  if (!some) {
+    giving_note(c, g, it.box, it.first, it.free, it.scale);
+    return bounds_join(&c->standing, it.box);
+  }
   uint32_t held = 0;
   for (float& m : moved) m = 0.0f;
-  read_lanes(g, it, &lanes);
-  holding_find(g, group, lanes, holder);
   bool alike = holder[0] != k_no_holder && c->groups[c->group_of[holder[0]]].hollow;
   for (uint32_t l = 1; l < it.count; ++l) alike = alike && holder[l] == holder[0];
   if (alike && carry_all(c, g, it, holder[0])) return;
@@ -313,8 +315,10 @@ void run_group(Carry* c, const Granular& g, uint32_t number, uint32_t active_bef
     const uint32_t of_body = in_body(p) ? c->body_holders[body_of(p) - 1] : 0;
     if (in_body(p)) holder[l] = of_body != 0 ? of_body - 1 : k_no_holder;
     held |= holder[l] != k_no_holder ? 1u << l : 0;
-    if (holder[l] == k_no_holder) bounds_include(&c->standing, p.position);
   }
+  Quad low, high;
+  find_box(g.particles.records[0] + it.first, it.here & ~held, &low, &high);
+  bounds_join(&c->standing, box_of(low, high));
   uint32_t open = it.free & ~held;
   while (held != 0) {
     const uint32_t by = holder[__builtin_ctz(held)];
@@ -394,8 +398,8 @@ void carry_bodies(Carry* c, const Granular& g) {
     lanes.count = 1;
     for (int k = 0; k < 3; ++k) {
       lanes.at[k][0] = group.box.low[k] = group.box.high[k] = static_cast<float>(g.bodies.all[b].center[k]);
-      lanes.velocity[k][0] = g.bodies.all[b].linear[k];
     }
+    lanes.velocities = g.bodies.all[b].linear;
     holding_find_near(g, &group);
     holding_find(g, group, lanes, holder);
     if (holder[0] == k_no_holder) continue;
@@ -530,12 +534,18 @@ bool carry_run(Carry* c, const Granular& g) {
   const Sleep& sleep = g.sleep;
   uint32_t active = 0;
   while (active < sleep.active_count && sleep.active_groups[active] < c->cursor / k_lane_group) ++active;
-  uint32_t sole = k_no_holder;
-  for (uint32_t group = c->cursor / k_lane_group; group * k_lane_group < end && c->group_count != 0; ++group) {
-    const uint32_t first = group * k_lane_group, together = 4 * k_lane_group, left = end - first;
-    if ((first - c->cursor) % together == 0) sole = sole_holder(g, first, first + (left < together ? left : together));
-    run_group(c, g, group, active, sole);
-    if (active < sleep.active_count && sleep.active_groups[active] == group) ++active;
+  for (uint32_t group = c->cursor / k_lane_group; group * k_lane_group < end && c->group_count != 0;) {
+    Sixteen sixteens[k_together];
+    Bounds box = k_nowhere;
+    uint32_t count = 0;
+    for (; count < k_together && group * k_lane_group < end; ++count, ++group) {
+      read_sixteen(g, group, active, &sixteens[count]);
+      bounds_join(&box, sixteens[count].box);
+      if (active < sleep.active_count && sleep.active_groups[active] == group) ++active;
+    }
+    const uint32_t sole = is_empty(box) ? k_no_holder : sole_holder(g, box);
+    for (uint32_t i = 0; i < count; ++i)
+      if (sixteens[i].here != 0) run_group(c, g, sixteens[i], sole);
   }
   c->cursor = end;
   return c->group_count == 0 || (end >= g.particles.count && giving_items(*c) == 0);

@@ -10,7 +10,8 @@ struct OpenSand {
   uint32_t row;
   float scale;           // of its copies' velocities
   uint16_t next, queue;  // in its cell; the one that is to push on at this place of the queue
-  enum : uint32_t { stays, waits, gone } state;
+  enum : uint16_t { stays, waits, gone } state;
+  uint16_t pushed;  // in any step
 };
 
 namespace {
@@ -100,6 +101,7 @@ void push(OpenSand* o, const Quad& normal, float out, const Quad& displacement, 
   }
   o->at += moved;
   o->displacement += moved;
+  o->pushed = 1;
 }
 
 // What is met goes no slower than what meets it.
@@ -130,14 +132,13 @@ void push_by_collider(Carry* c, const Granular& g, const Carrier& carrier, float
     const uint32_t left = s->count - first, count = left < k_lane_group ? left : k_lane_group;
     const auto& b = s->boxes[first / k_lane_group];
     if (!holding_overlaps({{b.low[0], b.low[1], b.low[2]}, {b.high[0], b.high[1], b.high[2]}}, box, 2.0f * r)) continue;
-    for (uint32_t l = 0; l < count; ++l)
-      for (int k = 0; k < 3; ++k) scratch.lanes.at[k][l] = s->open[first + l].at[k];
-    holding_measure(g, pose, scratch.lanes.at, scratch.distance, scratch.normal, count);
+    for (uint32_t l = 0; l < count; ++l) __builtin_memcpy(&scratch.points[l], &s->open[first + l].at, sizeof(Quad));
+    holding_measure_points(g, pose, count);
     for (uint32_t l = 0; l < count; ++l) {
       OpenSand& o = s->open[first + l];
-      const float out = r - scratch.distance[l], place[3] = {o.at[0], o.at[1], o.at[2]};
+      const float out = r - scratch.points[l].distance, place[3] = {o.at[0], o.at[1], o.at[2]};
       if (!(out > 0.0f)) continue;
-      const Quad normal = {scratch.normal[0][l], scratch.normal[1][l], scratch.normal[2][l], 0.0f};
+      const Quad normal = quad(scratch.points[l].normal);
       const Quad displacement = carrier.motion.displacement(o.at) / parts;
       float v[3];
       holding_velocity(carrier.to, place, v);
@@ -188,8 +189,9 @@ void end_before_walls(const Carry& c, const Granular& g, OpenSand* o) {
 // What lies ahead within a diameter, half a ball: its cells are those of the box around that.
 void push_on(Carry* c, const Granular& g, uint32_t i) {
   Giving* const s = c->giving;
+  OpenSand* const open = s->open;
   const float r = g.desc.particle_radius, d = 2.0f * r, d2 = d * d, inverse = 1.0f / (k_cell * r);
-  OpenSand& o = s->open[i];
+  OpenSand& o = open[i];
   o.state = OpenSand::gone;
   const float length = __builtin_sqrtf(square_of(o.displacement));
   if (length > k_out_max * r) {
@@ -210,7 +212,7 @@ void push_on(Carry* c, const Granular& g, uint32_t i) {
     for (int32_t y = low[1]; y <= high[1]; ++y)
       for (int32_t x = low[0]; x <= high[0]; ++x)
         for (uint16_t* next = &s->heads[head_of(x, y, z)]; *next != k_none;) {
-          OpenSand& other = s->open[*next];
+          OpenSand& other = open[*next];
           if (other.state == OpenSand::gone) {
             *next = other.next;
             continue;
@@ -226,7 +228,7 @@ void push_on(Carry* c, const Granular& g, uint32_t i) {
 // For which there is no room: out of where colliders are in the end, and nothing is pushed on.
 void give_way_alone(Carry* c, const Granular& g, uint32_t row) {
   const float r = g.desc.particle_radius;
-  OpenSand o = {quad(g.particles.records[0][row].position), Quad{}, row, 0.0f, 0, 0, OpenSand::stays};
+  OpenSand o = {quad(g.particles.records[0][row].position), Quad{}, row, 0.0f, 0, 0, OpenSand::stays, 0};
   for (uint32_t i = 0; i < g.colliders.solid_count; ++i) {
     if (!pushes(g, i)) continue;
     Quad normal;
@@ -287,7 +289,7 @@ void giving_note(Carry* c, const Granular& g, const Bounds& box, uint32_t first,
   for (; which != 0; which &= which - 1) {
     const uint32_t i = first + static_cast<uint32_t>(__builtin_ctz(which));
     if (s.count == s.capacity) give_way_alone(c, g, i);
-    else s.open[s.count++] = {quad(g.particles.records[0][i].position), Quad{}, i, scale, 0, 0, OpenSand::stays};
+    else s.open[s.count++] = {quad(g.particles.records[0][i].position), Quad{}, i, scale, 0, 0, OpenSand::stays, 0};
   }
 }
 
@@ -312,6 +314,7 @@ bool giving_run(Carry* c, const Granular& g) {
     if (pushes(g, i)) push_by_collider(c, g, g.colliders.carriers[i], last ? 0.0f : k_grip);
   for (uint32_t i = 0; i < s.count && last; ++i) {
     OpenSand& o = s.open[i];
+    if (o.pushed == 0) continue;
     if (square_of(o.displacement) != 0.0f) end_before_walls(*c, g, &o);
     carry_put(c, g, o.row, o.at);
   }

@@ -31,14 +31,7 @@ bool may_hold(const Granular& g) {
 void hold_lanes(const Granular& g, const HeldGroup& group, uint32_t first, uint32_t count, uint8_t* holders) {
   HeldLanes& lanes = scratch_of(g).lanes;
   auto& holder = scratch_of(g).holder;
-  lanes.count = count;
-  for (uint32_t l = 0; l < k_lane_group; ++l) {
-    const Grain& grain = g.grains.records[first + (l < count ? l : 0)];
-    for (int k = 0; k < 3; ++k) {
-      lanes.at[k][l] = grain.position[k];
-      lanes.velocity[k][l] = grain.velocity[k];
-    }
-  }
+  holding_read(reinterpret_cast<const Record*>(g.grains.records + first), count, (1u << count) - 1, &lanes);
   holding_find(g, group, lanes, holder);
   for (uint32_t l = 0; l < count; ++l) {
     const uint32_t slot = holder[l] == k_no_holder ? k_free : g.colliders.slots[holder[l]];

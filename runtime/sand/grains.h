@@ -266,8 +266,9 @@ void motion_add(const ParticleMotion& motion, const Granular& granular, uint32_t
                 const float velocity[3]);
 // The particles from the row `first` on, which were just added, have fallen freely until now.
 void motion_fall(const ParticleMotion& motion, const Granular& granular, uint32_t first);
-// A particle was carried: that is no motion for grains to follow.
-void motion_carry(const ParticleMotion& motion, const Granular& granular, uint32_t number, const RigidMotion& carrier);
+// Of sixteen particles those of the bits were carried: that is no motion for grains to follow.
+void motion_carry(const ParticleMotion& motion, const Granular& granular, const Particle* records, uint32_t which,
+                  const RigidMotion& carrier);
 // The next sweep covers what the particles do from now on: the grains have caught up.
 void motion_begin_here(const ParticleMotion& motion, const Granular& granular);
 // Nothing is remembered of how many particles moved.

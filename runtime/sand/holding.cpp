@@ -16,9 +16,10 @@ constexpr uint32_t k_corners = 8, k_all_corners = (1u << k_corners) - 1;
 Quad& four(float lanes[k_lane_group], uint32_t l) { return *reinterpret_cast<Quad*>(lanes + l); }
 const Quad& four(const float lanes[k_lane_group], uint32_t l) { return *reinterpret_cast<const Quad*>(lanes + l); }
 
-void to_local(const Granular& g, const ColliderFrame& c, const float at[3][k_lane_group]) {
+void to_local(const Granular& g, const ColliderFrame& c, const HeldLanes& lanes) {
+  const auto& at = lanes.at;
   auto& local = scratch_of(g).local;
-  for (uint32_t l = 0; l < k_lane_group; l += 4) {
+  for (uint32_t l = 0; l < lanes.count; l += 4) {
     const Quad x = four(at[0], l) - c.position[0], y = four(at[1], l) - c.position[1],
                z = four(at[2], l) - c.position[2];
     for (int a = 0; a < 3; ++a) four(local[a], l) = c.axes[a][0] * x + c.axes[a][1] * y + c.axes[a][2] * z;
@@ -26,11 +27,11 @@ void to_local(const Granular& g, const ColliderFrame& c, const float at[3][k_lan
 }
 
 // Metres along `direction` until each ray is in the box; k_far: never.
-void enter_box(const Granular& g, const float direction[3], const float low[3], const float high[3],
+void enter_box(const Granular& g, uint32_t count, const float direction[3], const float low[3], const float high[3],
                float enter[k_lane_group]) {
   constexpr float k_along = 1e-6f;
   const auto& at = scratch_of(g).local;
-  for (uint32_t l = 0; l < k_lane_group; l += 4) {
+  for (uint32_t l = 0; l < count; l += 4) {
     const Quad far = Quad{} + k_far, never = Quad{} - 1.0f;
     Quad in = {}, out = far;
     for (int k = 0; k < 3; ++k) {
@@ -52,7 +53,7 @@ void enter_box(const Granular& g, const float direction[3], const float low[3], 
 
 // Metres down until each ray is in a ball; k_far: never.
 void enter_ball(const ColliderFrame& c, const HeldLanes& lanes, const float down[3], float enter[k_lane_group]) {
-  for (uint32_t l = 0; l < k_lane_group; l += 4) {
+  for (uint32_t l = 0; l < lanes.count; l += 4) {
     Quad along = {}, square = {};
     for (int k = 0; k < 3; ++k) {
       const Quad r = four(lanes.at[k], l) - c.position[k];
@@ -127,19 +128,19 @@ void find_below(const Granular& g, const ColliderFrame& c, const HeldLanes& lane
   const auto& local = scratch_of(g).local;
   float direction[3];
   for (int a = 0; a < 3; ++a) direction[a] = c.axes[a][0] * down[0] + c.axes[a][1] * down[1] + c.axes[a][2] * down[2];
-  to_local(g, c, lanes.at);
+  to_local(g, c, lanes);
   if (c.shape == SANDGLASS_SHAPE_HALF_SPACE) {
-    for (uint32_t l = 0; l < k_lane_group; l += 4) {
+    for (uint32_t l = 0; l < lanes.count; l += 4) {
       const Quad y = four(local[1], l), down_to = direction[1] < -1e-6f ? y / -direction[1] : Quad{} + k_far;
       four(below, l) = y <= 0.0f ? Quad{} : down_to;
     }
   } else if (c.shape == SANDGLASS_SHAPE_BOX) {
     const float low[3] = {-c.size[0], -c.size[1], -c.size[2]};
-    enter_box(g, direction, low, c.size, below);
+    enter_box(g, lanes.count, direction, low, c.size, below);
   } else if (c.shape == SANDGLASS_SHAPE_FIELD) {
     float high[3];
     for (int a = 0; a < 3; ++a) high[a] = c.field.low[a] + c.field.spacing * static_cast<float>(c.field.counts[a] - 1);
-    enter_box(g, direction, c.field.low, high, below);
+    enter_box(g, lanes.count, direction, c.field.low, high, below);
     trace_field(g, c, lanes, down, below);
   } else if (c.shape == SANDGLASS_SHAPE_SPHERE) {
     enter_ball(c, lanes, down, below);
@@ -167,16 +168,17 @@ float meets_below(const Bounds& box, const Bounds& here, const float down[3]) {
 // Whether the velocity is near to one between rest and the collider's: not that of sand that falls onto it.
 bool goes_along(const HeldLanes& lanes, uint32_t l, const ColliderFrame& c, float speed_max) {
   const float x[3] = {lanes.at[0][l], lanes.at[1][l], lanes.at[2][l]};
+  const float* const velocity = lanes.velocities + l * k_record_floats;
   float v[3], length2 = 0.0f, with = 0.0f, squared = 0.0f;
   holding_velocity(c, x, v);
   for (int k = 0; k < 3; ++k) {
     length2 += v[k] * v[k];
-    with += v[k] * lanes.velocity[k][l];
+    with += v[k] * velocity[k];
   }
   float share = length2 > 0.0f ? with / length2 : 0.0f;
   share = share > 0.0f ? (share < 1.0f ? share : 1.0f) : 0.0f;
   for (int k = 0; k < 3; ++k) {
-    const float difference = lanes.velocity[k][l] - share * v[k];
+    const float difference = velocity[k] - share * v[k];
     squared += difference * difference;
   }
   return squared <= speed_max * speed_max;
@@ -187,7 +189,7 @@ uint32_t within_group(const Granular& g, uint32_t collider, const HeldLanes& lan
   const CarryGroup& group = g.carry.groups[g.carry.group_of[collider]];
   if (!group.hollow) return 0;
   const auto& local = scratch_of(g).local;
-  to_local(g, g.colliders.carriers[group.first].from, lanes.at);
+  to_local(g, g.colliders.carriers[group.first].from, lanes);
   uint32_t within = (1u << lanes.count) - 1;
   for (uint32_t l = 0; l < lanes.count; ++l)
     for (int k = 0; k < 3; ++k)
@@ -205,7 +207,7 @@ bool field_holds_all(const Granular& g, const HeldGroup& group, const ColliderFr
     half2 += 0.25f * (high - low) * (high - low);
     middle[k][0] = 0.5f * (low + high);
   }
-  holding_measure(g, field, middle, distance, nullptr, 1);
+  holding_measure(g, field, middle, distance, 1);
   return distance[0] - __builtin_sqrtf(half2) > -k_in_wall * g.desc.particle_radius;
 }
 
@@ -302,18 +304,19 @@ void holding_velocity(const ColliderFrame& c, const float at[3], float v[3]) {
   v[2] = c.linear[2] + (w[0] * r[1] - w[1] * r[0]);
 }
 
+void holding_measure_points(const Granular& g, const ColliderFrame& c, uint32_t count) {
+  const SurfaceArgs args = {scratch_of(g).points, &c};
+  uint32_t unused = 0;
+  g.kernels->surface_at(&args, 0, count, &unused);
+}
+
 void holding_measure(const Granular& g, const ColliderFrame& c, const float at[3][k_lane_group],
-                     float distance[k_lane_group], float (*normal)[k_lane_group], uint32_t count) {
+                     float distance[k_lane_group], uint32_t count) {
   SurfacePoint* const points = scratch_of(g).points;
   for (uint32_t l = 0; l < count; ++l)
     for (int k = 0; k < 3; ++k) points[l].position[k] = at[k][l];
-  const SurfaceArgs args = {points, &c};
-  uint32_t unused = 0;
-  g.kernels->surface_at(&args, 0, count, &unused);
-  for (uint32_t l = 0; l < count; ++l) {
-    distance[l] = points[l].distance;
-    for (int k = 0; k < 3 && normal != nullptr; ++k) normal[k][l] = points[l].normal[k];
-  }
+  holding_measure_points(g, c, count);
+  for (uint32_t l = 0; l < count; ++l) distance[l] = points[l].distance;
 }
 
 float holding_distance(const Granular& g, const ColliderFrame& c, const Quad& at, Quad* normal) {
@@ -321,16 +324,28 @@ float holding_distance(const Granular& g, const ColliderFrame& c, const Quad& at
     *normal = quad(c.axes[1]);
     return dot(*normal, at - quad(c.position));
   }
-  HeldScratch& s = scratch_of(g);
-  for (int k = 0; k < 3; ++k) s.corners.at[k][0] = at[k];
-  holding_measure(g, c, s.corners.at, s.distance, s.normal, 1);
-  *normal = Quad{s.normal[0][0], s.normal[1][0], s.normal[2][0], 0.0f};
-  return s.distance[0];
+  SurfacePoint& point = scratch_of(g).points[0];
+  for (int k = 0; k < 3; ++k) point.position[k] = at[k];
+  holding_measure_points(g, c, 1);
+  *normal = quad(point.normal);
+  return point.distance;
 }
 
 const ColliderFrame& holding_posed(const Granular& g, const Carrier& carrier, float share) {
   if (!carrier.moves) return carrier.to;
   return scratch_of(g).posed = collider_between(rigid_pose(carrier.from), carrier.to, share < 1.0f ? share : 1.0f);
+}
+
+void holding_read(const Record* records, uint32_t count, uint32_t which, HeldLanes* lanes) {
+  const uint32_t instead = static_cast<uint32_t>(__builtin_ctz(which));
+  lanes->count = count;
+  lanes->velocities = reinterpret_cast<const float*>(records) + k_vx;
+  for (uint32_t l = 0; l < k_lane_group; l += 4) {
+    Quad at[4];
+    for (uint32_t i = 0; i < 4; ++i)
+      __builtin_memcpy(&at[i], records + ((which >> (l + i) & 1) != 0 ? l + i : instead), sizeof *at);
+    for (int k = 0; k < 3; ++k) four(lanes->at[k], l) = Quad{at[0][k], at[1][k], at[2][k], at[3][k]};
+  }
 }
 
 void holding_find_near(const Granular& g, HeldGroup* group) {
@@ -364,7 +379,19 @@ uint32_t holding_sole(const Granular& g, const HeldGroup& group) {
   return holds ? field : k_no_holder;
 }
 
-void holding_find(const Granular& g, const HeldGroup& group, const HeldLanes& lanes, uint32_t holder[k_lane_group]) {
+// Where `found` is nearer: it, and who it is.
+static void take_nearer(const float found[k_lane_group], uint32_t who, float nearest[k_lane_group],
+                        uint32_t whose[k_lane_group]) {
+  typedef uint32_t Words __attribute__((vector_size(16), may_alias));
+  for (uint32_t l = 0; l < k_lane_group; l += 4) {
+    Words& of = *reinterpret_cast<Words*>(whose + l);
+    const auto nearer = four(found, l) < four(nearest, l);
+    of = nearer ? Words{} + who : of;
+    four(nearest, l) = nearer ? four(found, l) : four(nearest, l);
+  }
+}
+
+bool holding_find(const Granular& g, const HeldGroup& group, const HeldLanes& lanes, uint32_t holder[k_lane_group]) {
   const float r = g.desc.particle_radius;
   HeldScratch& scratch = scratch_of(g);
   auto &nearest = scratch.nearest, &below = scratch.below, &found = scratch.found;
@@ -373,40 +400,35 @@ void holding_find(const Granular& g, const HeldGroup& group, const HeldLanes& la
     holder[l] = support[l] = enclosing[l] = k_no_holder;
     nearest[l] = below[l] = k_far;
   }
+  bool any = false;
   for (uint32_t n = 0; n < group.count && group.some; ++n) {
     const uint32_t i = group.near[n];
     const ColliderFrame& c = g.colliders.carriers[i].from;
     if (holding_encloses(c)) {
       holding_measure(g, c, lanes.at, found);
-      for (uint32_t l = 0; l < lanes.count; ++l)
-        if (found[l] > -k_in_wall * r && found[l] < nearest[l]) {
-          nearest[l] = found[l];
-          enclosing[l] = i;
-        }
+      for (uint32_t l = 0; l < k_lane_group; ++l) found[l] = found[l] > -k_in_wall * r ? found[l] : k_far;
+      take_nearer(found, i, nearest, enclosing);
     } else if (g.gravity_length > 0.0f) {
       find_below(g, c, lanes, group.down, found);
-      for (uint32_t l = 0; l < lanes.count; ++l)
-        if (found[l] < below[l]) {
-          below[l] = found[l];
-          support[l] = i;
-        }
+      take_nearer(found, i, below, support);
     }
   }
   uint32_t asked = k_no_holder, within = 0;
   for (uint32_t l = 0; l < lanes.count; ++l) {
     const uint32_t on = support[l], in = enclosing[l];
     if (in != k_no_holder && holding_carries(g, in)) holder[l] = in;
-    if (on == k_no_holder || !holding_carries(g, on)) continue;
-    if (on != asked) {
-      within = within_group(g, on, lanes);
+    if (on != k_no_holder && holding_carries(g, on)) {
+      if (on != asked) within = within_group(g, on, lanes);
       asked = on;
+      const bool inside = (within >> l & 1) != 0;
+      const bool lies = !inside && below[l] > 0.0f && g.carry.due != Carry::Moment::jump &&
+                        goes_along(lanes, l, g.colliders.carriers[on].from, granular_speed_scale(g));
+      // Of a vessel within a field, or a field within a vessel, the nearer one is the inner one.
+      if (lies || (inside && (holder[l] == k_no_holder || below[l] < nearest[l] + 2.0f * r))) holder[l] = on;
     }
-    const bool inside = (within >> l & 1) != 0;
-    const bool lies = !inside && below[l] > 0.0f && g.carry.due != Carry::Moment::jump &&
-                      goes_along(lanes, l, g.colliders.carriers[on].from, granular_speed_scale(g));
-    // Of a vessel within a field, or a field within a vessel, the nearer one is the inner one.
-    if (lies || (inside && (holder[l] == k_no_holder || below[l] < nearest[l] + 2.0f * r))) holder[l] = on;
+    any = any || holder[l] != k_no_holder;
   }
+  return any;
 }
 
 }  // namespace sandglass

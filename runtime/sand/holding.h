@@ -10,7 +10,8 @@ constexpr uint32_t k_holders_near = 64;  // colliders that are asked for a group
 
 // Positions and velocities of sixteen particles. Lanes without a particle repeat one of the others.
 struct HeldLanes {
-  alignas(sizeof(Quad)) float at[3][k_lane_group], velocity[3][k_lane_group];
+  alignas(sizeof(Quad)) float at[3][k_lane_group];
+  const float* velocities;  // a record apart
   uint32_t count;
 };
 
@@ -44,20 +45,23 @@ Bounds holding_box(const ColliderFrame& collider);
 void holding_join(Bounds* box, const ColliderFrame& first, const ColliderFrame& collider);
 bool holding_overlaps(const Bounds& a, const Bounds& b, float margin);
 void holding_velocity(const ColliderFrame& collider, const float at[3], float velocity[3]);
-// Distances of the first `count` lanes from a collider, and its normals.
+// Distances of the first `count` lanes from a collider.
 void holding_measure(const Granular& granular, const ColliderFrame& collider, const float at[3][k_lane_group],
-                     float distance[k_lane_group], float (*normal)[k_lane_group] = nullptr,
-                     uint32_t count = k_lane_group);
+                     float distance[k_lane_group], uint32_t count = k_lane_group);
+// Distances and normals of the scratch's points.
+void holding_measure_points(const Granular& granular, const ColliderFrame& collider, uint32_t count);
 // The same of one place.
 float holding_distance(const Granular& granular, const ColliderFrame& collider, const Quad& at, Quad* normal);
 // A collider after `share` of its motion, at most all of it; until the next call.
 const ColliderFrame& holding_posed(const Granular& granular, const Carrier& carrier, float share);
 
+// From records, of which those of the bits count.
+void holding_read(const Record* records, uint32_t count, uint32_t which, HeldLanes* lanes);
 void holding_find_near(const Granular& granular, HeldGroup* group);
 // The collider that holds all of a group, if that is certain; else k_no_holder.
 uint32_t holding_sole(const Granular& granular, const HeldGroup& group);
-// The collider that holds each lane; k_no_holder: none that moves.
-void holding_find(const Granular& granular, const HeldGroup& group, const HeldLanes& lanes,
+// The collider that holds each lane; k_no_holder: none that moves. False: of all lanes.
+bool holding_find(const Granular& granular, const HeldGroup& group, const HeldLanes& lanes,
                   uint32_t holder[k_lane_group]);
 
 }  // namespace sandglass

@@ -193,11 +193,12 @@ void motion_fall(const ParticleMotion& m, const Granular& g, uint32_t first) {
   }
 }
 
-void motion_carry(const ParticleMotion& m, const Granular& g, uint32_t number, const RigidMotion& motion) {
+void motion_carry(const ParticleMotion& m, const Granular& g, const Particle* records, uint32_t which,
+                  const RigidMotion& motion) {
   if (g.desc.grain_capacity == 0) return;
-  float* const at = (sweep_has_snapshot(g) ? m.ends : m.starts)[number].position;
-  const Quad from = quad(at), to = from + motion.displacement(from);
-  for (int k = 0; k < 3; ++k) at[k] = to[k];
+  const RigidMotion carrier = motion;
+  Place* const places = sweep_has_snapshot(g) ? m.ends : m.starts;
+  for_bits(which, records, [&](const Particle* p) { carrier.move(places[number_of(*p)].position); });
 }
 
 void motion_begin_here(const ParticleMotion& m, const Granular& g) {

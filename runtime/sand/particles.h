@@ -80,6 +80,16 @@ static inline void bounds_include(Bounds* b, const float at[3], float radius = 0
   bounds_join(b, {{at[0] - radius, at[1] - radius, at[2] - radius}, {at[0] + radius, at[1] + radius, at[2] + radius}});
 }
 
+// Those of sixteen records whose bits are set, in order: most often all, so those that follow one another are one loop.
+template <class Of, class Do>
+static inline void for_bits(uint32_t which, Of* records, const Do& each) {
+  for (; which != 0; which &= which + (which & -which)) {
+    const int first = __builtin_ctz(which);
+    Of* const end = records + first + __builtin_ctz(~(which >> first));
+    for (Of* record = records + first; record != end; ++record) each(record);
+  }
+}
+
 struct Particles {
   // [0]: the state after the last complete sub-step. [1]: what the next one writes. [2]: only where a sub-step has more
   // than one pass. Each array holds the particles sorted by cell, padding, the boundary, and at last an inert particle.

@@ -200,8 +200,10 @@ void sleep_restore(Sleep* s, const SavedScene& saved) {
   s->awake_count = saved.state.awake;
 }
 
-void sleep_carry(const Granular& g, uint32_t number, const RigidMotion& motion) {
-  motion.move(g.sleep.anchors[number].position);
+void sleep_carry(const Granular& g, const Particle* records, uint32_t which, const RigidMotion& motion) {
+  const RigidMotion m = motion;
+  Anchor* const anchors = g.sleep.anchors;
+  for_bits(which, records, [&](const Particle* p) { m.move(anchors[number_of(*p)].position); });
 }
 
 void sleep_include_resting(Sleep* s, const Bounds& carried) { bounds_join(&s->resting, carried); }

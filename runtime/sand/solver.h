@@ -443,8 +443,8 @@ void sleep_reset(Sleep* sleep);
 void sleep_restore(Sleep* sleep, const SavedScene& saved);
 // `numbers`: how many there are.
 void sleep_move(Sleep* sleep, uint32_t numbers, const SceneMove& move);
-// The particle with this number was carried: it rests where it rests in what holds it.
-void sleep_carry(const Granular& granular, uint32_t number, const RigidMotion& motion);
+// Of sixteen particles those of the bits were carried: they rest where they rest in what holds them.
+void sleep_carry(const Granular& granular, const Particle* records, uint32_t which, const RigidMotion& motion);
 void sleep_include_resting(Sleep* sleep, const Bounds& carried);
 
 // A particle that was added under this number is awake.
