@@ -29,6 +29,7 @@ ORDER = [
     "runtime/shadow/baked",
     "runtime/shadow/pile",
     "runtime/shadow/cast",
+    "runtime/relief",
     "runtime/scene",
     "models",
     "toolchains",

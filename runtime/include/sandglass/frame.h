@@ -11,8 +11,9 @@
 extern "C" {
 #endif
 
-/* The camera's image (camera.h). */
+/* The camera's image (camera.h), and a depth image (relief.h). */
 struct sandglass_camera_image;
+struct sandglass_depth_image;
 
 /* ------------------------------------------------------------------------------------------------ quality */
 
@@ -67,9 +68,10 @@ enum {
   SANDGLASS_STAGE_LIGHT = 1,
   SANDGLASS_STAGE_SKIN = 2,
   SANDGLASS_STAGE_SHADOW = 3,
-  SANDGLASS_STAGE_REFINE = 4,
-  SANDGLASS_STAGE_OUTPUT = 5,
-  SANDGLASS_STAGE_COUNT = 6
+  SANDGLASS_STAGE_RELIEF = 4,
+  SANDGLASS_STAGE_REFINE = 5,
+  SANDGLASS_STAGE_OUTPUT = 6,
+  SANDGLASS_STAGE_COUNT = 7
 };
 
 /* What reports, traces and recordings call a stage, such as "granular". NULL where there is no such stage. */
@@ -169,6 +171,12 @@ typedef struct sandglass_frame_input {
   /* NULL, or the newest image. The estimator passes it over while an estimate is under way, and until its interval has
    * passed. It is read in this call only. */
   const struct sandglass_camera_image* camera;
+  /* NULL, or the relief that depth images are gathered in (relief.h). An image that is taken is read in this frame,
+   * whatever the budget; of what follows one work unit a frame runs, more as it admits. */
+  struct sandglass_relief* relief;
+  /* NULL, or the newest depth image. The relief passes it over while one before is under way. It is read in this call
+   * only. */
+  const struct sandglass_depth_image* depth;
   /* NULL, or a recorded plan to execute: the clock then decides nothing. */
   const sandglass_plan* plan;
 } sandglass_frame_input;
@@ -285,7 +293,7 @@ typedef struct sandglass_estimator_report {
   uint32_t frames_behind;
   /* Work units left of the estimate under way. */
   uint32_t units_left;
-  /* 1: input.camera cannot be used. sandglass_camera_check and the log hook say why. */
+  /* 1: input.camera or input.depth cannot be used. sandglass_camera_check and the log hook say why. */
   uint32_t ignored_images;
 } sandglass_estimator_report;
 

@@ -4,7 +4,8 @@
  * surfaces) and field.h (signed-distance fields). The rest of the public API stands in headers of its own: camera.h (its
  * image), estimator.h (the light of one image), room.h (the light of all images), renderers.h (light as renderers want
  * it), skin.h (the surface of the sand as a mesh), cast.h (the shadows of any triangles), shadow.h (those of objects that
- * were baked) and pile_shadow.h (the shadow of the sand). sandglass.hpp adds owner types for C++.
+ * were baked), pile_shadow.h (the shadow of the sand) and relief.h (heights of the real place). sandglass.hpp adds owner
+ * types for C++.
  * Units, errors, the rule for NULL, and version and ABI: see types.h, whose rules hold for all functions.
  *
  * An app

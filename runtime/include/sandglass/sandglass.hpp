@@ -34,6 +34,7 @@
 #include "sandglass/estimator.h"
 #include "sandglass/owned.hpp"
 #include "sandglass/pile_shadow.h"
+#include "sandglass/relief.h"
 #include "sandglass/renderers.h"
 #include "sandglass/room.h"
 #include "sandglass/sampling.hpp"
@@ -371,6 +372,38 @@ class Room : public Owned<sandglass_room> {
   void reset() { sandglass_room_reset(get()); }
   // See sandglass_room_hash.
   uint64_t hash() const { return sandglass_room_hash(get()); }
+};
+
+// ----------------------------------------------------------------------------------------------------------------
+// relief
+
+inline sandglass_relief_desc relief_desc() { return filled(sandglass_relief_desc_default); }
+
+// A depth image with the defaults: see sandglass_depth_image.
+inline sandglass_depth_image depth_image() { return filled(sandglass_depth_image_default); }
+
+// Heights of the real place, and the block they live in. Movable, not copyable.
+class Relief : public Owned<sandglass_relief> {
+ public:
+  // See sandglass_relief_create.
+  Status create(const sandglass_relief_desc& desc = relief_desc()) {
+    return create_of(sandglass_relief_bytes, sandglass_relief_create, &desc);
+  }
+
+  // See sandglass_relief_set_plane.
+  Status set_plane(const float position[3], const Rotation& rotation) {
+    return call(sandglass_relief_set_plane, get(), position, rotation.data());
+  }
+  // See sandglass_relief_set_image.
+  Status set_image(const sandglass_depth_image& image) {
+    return call(sandglass_relief_set_image, get(), &image, nullptr);
+  }
+  // See sandglass_relief_get_heights.
+  sandglass_heights heights() const { return reported<sandglass_heights>(sandglass_relief_get_heights, get()); }
+  // See sandglass_relief_reset.
+  void reset() { sandglass_relief_reset(get()); }
+  // See sandglass_relief_hash.
+  uint64_t hash() const { return sandglass_relief_hash(get()); }
 };
 
 // ----------------------------------------------------------------------------------------------------------------

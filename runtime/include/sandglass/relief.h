@@ -1,0 +1,167 @@
+/* Sandglass relief: the real place as a height map over a plane, from the depth images of a device.
+ *
+ * An ideal plane knows nothing of the books and boxes on a table. A depth image does, but it has holes, noise, pixels
+ * that fly between near and far, and a bias of some per cent; and the table would tremble with it. So a relief gathers
+ * images in the cells of a map, ties their bias to the plane, and changes a height only where it must.
+ *
+ * An app
+ *
+ *     sandglass::Relief relief;                                     // once; half a megabyte
+ *     sandglass::Status status = relief.create();
+ *
+ *     status = relief.set_plane(anchor.position, anchor.rotation);  // whenever the tracker has moved the plane
+ *     sandglass_depth_image depth = sandglass::depth_image();       // whenever there is a new depth image
+ *     depth.depth = pixels, depth.width = 256, depth.height = 192, depth.stride = 512;
+ *     ...                                                           // intrinsics, pose, time stamp, confidence
+ *     input.relief = relief.get(), input.depth = &depth;
+ *     status = scene.frame(input, &report);
+ *     const sandglass_heights heights = relief.heights();           // metres above the plane, row after row
+ *     if (heights.version != shown) upload(heights), shown = heights.version;
+ *
+ * What it does. A pixel beside a step or a hole says nothing. The plane is found in each image as the nearest surface
+ * to where it should be that has 12 % of the pixels and nothing below it, and all depths are scaled so that it lies at
+ * height 0: that takes away a depth camera's bias, which moves by the second. What an image shows of a cell is its
+ * highest point. The height is the median of eight such looks, and of the cells around. It is shown only where it
+ * differs from what was shown by 6 mm, and by half of what neighbours differ, in one to six images, the more the longer
+ * the cell was still. Below 8 mm it is exactly 0. A thing that is taken away goes when the camera sees through it.
+ *
+ * Limits. A map has one height for each cell: what is below a shelf is as solid as the shelf. Cells of 1 cm fill cups and
+ * blunt rims; things thinner than 8 mm are not seen; below the plane nothing is believed. Images that a system has
+ * smoothed lose things lower than about 12 cm. A hand becomes solid where it rests: pass a mask.
+ *
+ * Cost. An image is read in the frame that takes it, whatever the budget, in units of 1,024 pixels, at most 16; all
+ * else is units of 1,024 pixels or 2,048 cells, as the budget admits. The same bits come out of every instruction set and
+ * every division into frames.
+ *
+ * Units, errors and the rule for NULL: see types.h. */
+#ifndef SANDGLASS_RELIEF_H
+#define SANDGLASS_RELIEF_H
+
+#include "sandglass/camera.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Heights of the real place over a plane, in a block of the app. */
+typedef struct sandglass_relief sandglass_relief;
+
+/* How large a relief is: set once, at create. */
+typedef struct sandglass_relief_desc {
+  uint32_t struct_size;
+  /* Cells along the plane's x and z, 16..256. Default: 128. */
+  uint32_t cells[2];
+  /* Metres along the side of a cell, 0.005..0.05. Default: 0.01. Smaller ones than the pixels on the plane stay empty. */
+  float cell;
+} sandglass_relief_desc;
+
+/* Fills *desc with the defaults. */
+SANDGLASS_API void sandglass_relief_desc_default(sandglass_relief_desc* desc);
+
+/* The exact number of bytes that sandglass_relief_create needs. Fails with INVALID_ARGUMENT: a field out of range. */
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_relief_bytes(const sandglass_relief_desc* desc,
+                                                                          uint64_t* bytes, const char** reason);
+
+/* Makes a relief whose heights are all 0, over the plane y = 0 about the origin, in the app's block. There is nothing to
+ * destroy. Fails like sandglass_relief_bytes, and with MEMORY_TOO_SMALL and MEMORY_ALIGNMENT; nothing was written then. */
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_relief_create(const sandglass_relief_desc* desc,
+                                                                           void* block, uint64_t bytes,
+                                                                           sandglass_relief** relief,
+                                                                           const char** reason);
+
+/* Forgets all that was seen. The plane stays. */
+SANDGLASS_API void sandglass_relief_reset(sandglass_relief* relief);
+
+/* The plane in the world: `position` is the middle of the map, `rotation` (x, y, z, w) turns the plane's frame, whose y
+ * is the normal, to the world's. The heights move with it. Fails with INVALID_ARGUMENT: a position that is not finite or
+ * beyond the coordinate limit, or a rotation that is none. */
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_relief_set_plane(sandglass_relief* relief,
+                                                                              const float position[3],
+                                                                              const float rotation[4],
+                                                                              const char** reason);
+
+/* How the numbers of a depth image are stored: 16 bits, without sign, or floats. */
+typedef int32_t sandglass_depth_format;
+enum { SANDGLASS_DEPTH_U16 = 0, SANDGLASS_DEPTH_F32 = 1 };
+
+/* A depth image in the app's memory, and where its camera was, which need not be the view's.
+ *
+ * Depth is that along the camera's axis, as ARCore, ARKit, WebXR and Camera2 give it, not the distance. 0, NaN, and what
+ * is farther than 4 m, is unknown. */
+typedef struct sandglass_depth_image {
+  uint32_t struct_size;
+  /* How its numbers are stored. Default: 16 bits. */
+  sandglass_depth_format format;
+  /* Pixels as stored, 2..SANDGLASS_CAMERA_SIDE_LIMIT. Where there are more than 16,384, each n-th of each n-th row is
+   * taken. */
+  uint32_t width, height;
+  /* The first row, and bytes from row to row, at least those of a row; negative where the lower row is stored first. */
+  const void* depth;
+  int32_t stride;
+  /* What a number is multiplied by to give metres, 1e-6..1e3. Default: 0.001. */
+  float to_metres;
+  /* NULL, or a byte for each pixel: how sure its depth is. Below `confidence_min` it is unknown: 128 for ARCore's raw
+   * depth, 2 for ARKit. */
+  const uint8_t* confidence;
+  int32_t confidence_stride;
+  uint32_t confidence_min;
+  /* NULL, or a byte for each pixel: where it is not 0 the depth is a person's, or what else is not to become solid. */
+  const uint8_t* mask;
+  int32_t mask_stride;
+  /* Pixels of the stored image, 1..1e6. */
+  float focal_x, focal_y;
+  /* The principal point, pixels, within the image; the centre of the first pixel is (0, 0). */
+  float centre_x, centre_y;
+  /* Where the camera was, world, metres. */
+  float position[3];
+  /* Camera to world, (x, y, z, w), of the image as stored: x along its rows to the right, y up its columns, looking along
+   * -z. */
+  float orientation[4];
+  /* When it was taken. An image whose time is that of the one before is passed over, because it is the same: a second
+   * look at it would count its mistakes twice. 0: each is new. */
+  uint64_t timestamp_ns;
+} sandglass_depth_image;
+
+/* Fills *image with the defaults: no pixels, 16 bits in millimetres, at the origin without a rotation. */
+SANDGLASS_API void sandglass_depth_image_default(sandglass_depth_image* image);
+
+/* Without a scene: takes an image in, whole. *taken, which is optional, is 1, or 0 where its time is that of the one
+ * before. Fails with INVALID_ARGUMENT, and says which field is out of range. In a frame it is the same, but an image is
+ * passed over while one before is under way; one that cannot be used is counted in report.estimator.ignored_images. */
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_relief_set_image(sandglass_relief* relief,
+                                                                              const sandglass_depth_image* image,
+                                                                              int32_t* taken, const char** reason);
+
+/* The heights as they are shown now. They are stable until units are run again. */
+typedef struct sandglass_heights {
+  uint32_t struct_size;
+  /* Cells along x and z. */
+  uint32_t cells[2];
+  /* Metres above the plane, x within z: heights[z * cells[0] + x] is that at the middle of the cell. Multiples of
+   * 0.25 mm. */
+  const float* heights;
+  /* Metres along the side of a cell. */
+  float cell;
+  /* Where the first cell's corner lies in the plane, and the edges of the map along x and along z, world, metres; up is
+   * the plane's normal. */
+  float corner[3], along[3], across[3], up[3];
+  /* The depths of the last image times this are those of the plane, 0.92..1.08: what to multiply a depth texture by that
+   * is compared with what is drawn. 1 until the plane was seen. */
+  float depth_scale;
+  /* What the last version has changed: cells from `low`, below `high`, along x and z. */
+  uint32_t low[2], high[2];
+  /* Grows by 1 when heights have changed. An app that has missed one uploads all. */
+  uint64_t version;
+} sandglass_heights;
+
+/* Fills *heights. Set heights->struct_size before. */
+SANDGLASS_API void sandglass_relief_get_heights(const sandglass_relief* relief, sandglass_heights* heights);
+
+/* A 64-bit hash of all that was seen. It is equal on every instruction set and compiler. */
+SANDGLASS_API uint64_t sandglass_relief_hash(const sandglass_relief* relief);
+
+#ifdef __cplusplus
+} /* extern "C" */
+#endif
+
+#endif /* SANDGLASS_RELIEF_H */

@@ -1,0 +1,125 @@
+// The state behind sandglass/relief.h: heights over a plane, in cells. An image passes through it in phases, cut into
+// units of the relief's stage:
+//   read     the app's pixels, of which those beside steps are rejected, into samples; votes for the plane (read.cpp)
+//   gather   the samples into the cells: of each the highest (gather.cpp)
+//   look     what the image shows of a cell, into the ring of its last eight looks; their median (look.cpp)
+//   commit   the median of medians, into what is shown, where it differs enough (commit.cpp)
+// After any unit the heights are those of a map: commit changes one cell after another.
+//
+// Lengths in cells and samples are whole numbers, so that no order of operations matters to a bit.
+#pragma once
+
+#include <cstdint>
+
+#include "runtime/frame/capability.h"
+#include "sandglass/relief.h"
+
+namespace sandglass {
+
+constexpr uint32_t k_relief_samples = 16384;      // of an image at most
+constexpr uint32_t k_relief_unit_samples = 1024;  // read or gathered in one unit
+constexpr uint32_t k_relief_unit_cells = 2048;    // looked at or committed in one unit
+constexpr uint32_t k_relief_looks = 8;
+constexpr uint32_t k_relief_looks_min = 5;  // with fewer a cell counts as not seen
+constexpr uint32_t k_relief_bins = 128;     // of the votes for the plane
+constexpr float k_relief_scale_min = 0.92f, k_relief_scale_max = 1.08f;
+
+constexpr float k_relief_unit = 0.00025f;      // metres of a height
+constexpr float k_relief_per_metre = 4000.0f;  // heights
+constexpr int16_t k_relief_none = -32768;
+
+// A sample: depth in eighths of a millimetre, 0 where it is unknown, and whether it lies beside a step.
+constexpr float k_sample_unit = 0.000125f;
+constexpr uint16_t k_sample_depth = 0x7fff, k_sample_rejected = 0x8000;
+
+// Kinds of work unit.
+enum : uint32_t { k_relief_read, k_relief_gather, k_relief_look, k_relief_commit };
+static_assert(k_relief_commit + 1 == k_relief_kinds);
+
+enum class ReliefPhase : uint32_t { idle, read, gather, look, commit };
+
+struct ReliefCell {
+  int16_t looks[k_relief_looks];
+  int16_t median;  // of the looks
+  int16_t shown;
+  int16_t now;   // the highest sample of the image under way, or k_relief_none
+  uint8_t seen;  // looks that there are
+  uint8_t next;  // where the next one goes
+  // Images in a row that ask for another height; images that did not since the last change, up to k_calm_max.
+  uint8_t beyond, calm;
+};
+
+// The image under way, as seen from the plane's frame.
+struct ReliefView {
+  sandglass_depth_image image;  // its pointers are null once it was read
+  uint32_t step;                // pixels from sample to sample
+  uint32_t width, height;       // samples
+  // Of the pixel of the principal point, and by how much a pixel to the right, and one down, is another direction. Along
+  // `ahead` depth counts.
+  float position[3], ahead[3], right[3], down[3];
+  uint32_t votes[k_relief_bins], vote_count;
+};
+
+// The cells of the map that a version has changed.
+struct ReliefBox {
+  uint32_t low[2], high[2];
+};
+
+struct ReliefState {
+  sandglass_relief_desc desc;
+  float position[3];  // of the plane
+  float rotation[4];
+  float per_metre, middle[2];  // cells of a metre; where the plane's origin lies, in cells
+  float scale;                 // of depths
+  bool scale_known;
+  uint64_t version, last_ns;
+  ReliefBox changed, changing;  // by the last version; by the commit under way
+  ReliefPhase phase;
+  uint32_t cursor;
+  ReliefView view;
+  ReliefCell* cells;
+  float* heights;
+  uint16_t* samples;  // k_relief_samples
+};
+
+inline uint32_t relief_cells(const ReliefState& r) { return r.desc.cells[0] * r.desc.cells[1]; }
+inline uint32_t relief_samples(const ReliefView& v) { return v.width * v.height; }
+
+void relief_reset(ReliefState* relief);
+// What is wrong with a depth image, or null.
+const char* relief_fault(const sandglass_depth_image& image);
+// Takes an image that nothing is wrong with, unless it is the one before or another is under way. It must stay until it
+// has been read.
+bool relief_take(ReliefState* relief, const sandglass_depth_image& image);
+
+// The direction of a sample in the plane's frame, of which 1 is a metre of depth.
+struct ReliefRay {
+  float v[3];
+};
+inline ReliefRay relief_ray(const ReliefView& view, uint32_t column, uint32_t row) {
+  const float right = static_cast<float>(column * view.step) - view.image.centre_x;
+  const float down = static_cast<float>(row * view.step) - view.image.centre_y;
+  ReliefRay ray;
+  for (int k = 0; k < 3; ++k) ray.v[k] = view.ahead[k] + right * view.right[k] + down * view.down[k];
+  return ray;
+}
+
+// The phases. Each runs from `first`, below `end`.
+void relief_read(ReliefView* view, const ReliefState& relief, uint32_t first, uint32_t end);
+// Once all was read: what depths are multiplied by.
+void relief_find_scale(ReliefState* relief);
+void relief_gather(const ReliefState& relief, uint32_t first, uint32_t end);
+void relief_look(const ReliefState& relief, uint32_t first, uint32_t end);
+void relief_commit(ReliefState* relief, uint32_t first, uint32_t end);
+
+// Runs the next unit.
+void relief_run_unit(ReliefState* relief);
+
+extern const Capability k_relief_capability;
+
+}  // namespace sandglass
+
+struct sandglass_relief {
+  sandglass::Member member;
+  sandglass::ReliefState relief;
+};
