@@ -19,32 +19,33 @@ struct Around {
 
 // Of the cells about one. At the map's edge the cell stands alone.
 Around look_around(const ReliefState& relief, uint32_t i) {
+  const ReliefCells& cells = relief.cells;
   const uint32_t width = relief.desc.cells[0], x = i % width, z = i / width;
-  const ReliefCell& cell = relief.cells[i];
-  Around around = {cell.median, 0};
+  Around around = {cells.median[i], 0};
   if (x == 0 || z == 0 || x + 1 == width || z + 1 == relief.desc.cells[1]) return around;
   int16_t sorted[9];
   uint32_t count = 0;
-  int32_t low = cell.shown, high = cell.shown;
+  int32_t low = cells.shown[i], high = low;
   for (uint32_t row = 0; row < 3; ++row)
     for (uint32_t column = 0; column < 3; ++column) {
-      const ReliefCell& near = relief.cells[i - width - 1 + row * width + column];
-      low = near.shown < low ? near.shown : low;
-      high = near.shown > high ? near.shown : high;
-      if (near.seen < k_relief_looks_min) continue;
+      const uint32_t near = i - width - 1 + row * width + column;
+      low = cells.shown[near] < low ? cells.shown[near] : low;
+      high = cells.shown[near] > high ? cells.shown[near] : high;
+      if (cells.seen[near] < k_relief_looks_min) continue;
+      const int16_t median = cells.median[near];
       uint32_t place = count++;
-      for (; place > 0 && sorted[place - 1] > near.median; --place) sorted[place] = sorted[place - 1];
-      sorted[place] = near.median;
+      for (; place > 0 && sorted[place - 1] > median; --place) sorted[place] = sorted[place - 1];
+      sorted[place] = median;
     }
   around.difference = high - low;
-  if (count < (cell.seen >= k_relief_looks_min ? k_few : k_few_unseen)) return around;
+  if (count < (cells.seen[i] >= k_relief_looks_min ? k_few : k_few_unseen)) return around;
   const uint32_t half = count / 2;
   around.height = count % 2 != 0 ? sorted[half] : (sorted[half] + sorted[half - 1]) / 2;
   return around;
 }
 
 void show(ReliefState* relief, uint32_t i, int32_t height) {
-  relief->cells[i].shown = static_cast<int16_t>(height);
+  relief->cells.shown[i] = static_cast<int16_t>(height);
   relief->heights[i] = static_cast<float>(height) * k_relief_unit;
   const uint32_t at[2] = {i % relief->desc.cells[0], i / relief->desc.cells[0]};
   ReliefBox* box = &relief->changing;
@@ -54,28 +55,69 @@ void show(ReliefState* relief, uint32_t i, int32_t height) {
   }
 }
 
+// Whether the cell's height would be another one by enough.
+bool asks_for(const ReliefState& relief, uint32_t i, int32_t* height) {
+  const Around around = look_around(relief, i);
+  *height = around.height < k_flat && around.height > -k_flat ? 0 : around.height;
+  const int32_t shown = relief.cells.shown[i];
+  const int32_t change = *height > shown ? *height - shown : shown - *height;
+  const int32_t tolerance = 2 * k_tolerance + around.difference;  // twice
+  // Back to the plane half of that is enough: there a height is known best.
+  return 2 * change > tolerance || (*height == 0 && 4 * change > tolerance);
+}
+
+// Of cells in a row: 0 where nothing about one is so far off what is shown that it could ask for another height. Most
+// are so, and this is a tenth of the work.
+void find_doubtful(const ReliefCells& cells, uint32_t width, uint32_t first, uint32_t count, uint8_t* doubtful) {
+  const int16_t *a = cells.median + first - width, *b = cells.median + first, *c = b + width;
+  const int16_t* shown = cells.shown + first;
+  const auto least = [](int16_t x, int16_t y) { return x < y ? x : y; };
+  const auto most = [](int16_t x, int16_t y) { return x > y ? x : y; };
+  for (uint32_t i = 0; i < count; ++i) {
+    const int16_t *p = a + i, *q = b + i, *r = c + i;
+    const int16_t low =
+        least(least(least(least(p[-1], p[0]), least(p[1], q[-1])), least(least(q[0], q[1]), r[-1])), least(r[0], r[1]));
+    const int16_t high =
+        most(most(most(most(p[-1], p[0]), most(p[1], q[-1])), most(most(q[0], q[1]), r[-1])), most(r[0], r[1]));
+    const bool off = (high - shown[i] > k_tolerance) | (shown[i] - low > k_tolerance);
+    const bool flattens = (shown[i] != 0) & (low < k_flat) & (high > -k_flat);
+    doubtful[i] = off | flattens;
+  }
+}
+
+// Cells of one row.
+void commit_row(ReliefState* relief, uint32_t first, uint32_t count) {
+  const ReliefCells& cells = relief->cells;
+  const uint32_t width = relief->desc.cells[0], z = first / width, x = first % width;
+  uint8_t doubtful[256];
+  __builtin_memset(doubtful, 1, sizeof doubtful);
+  const uint32_t left = x == 0 ? 1 : 0, right = x + count == width ? 1 : 0;
+  if (z != 0 && z + 1 != relief->desc.cells[1] && count > left + right)
+    find_doubtful(cells, width, first + left, count - left - right, doubtful + left);
+  for (uint32_t i = first; i < first + count; ++i) {
+    const bool looked = cells.now[i] != k_relief_none;
+    cells.now[i] = k_relief_none;
+    int32_t height = 0;
+    if (doubtful[i - first] == 0 || !asks_for(*relief, i, &height)) {
+      cells.beyond[i] = 0;
+      if (looked && cells.calm[i] < k_calm_max) ++cells.calm[i];
+      continue;
+    }
+    if (looked && cells.beyond[i] < UINT8_MAX) ++cells.beyond[i];
+    if (cells.beyond[i] < 1 + cells.calm[i] / k_calm_images) continue;
+    cells.beyond[i] = cells.calm[i] = 0;
+    show(relief, i, height);
+  }
+}
+
 }  // namespace
 
 void relief_commit(ReliefState* relief, uint32_t first, uint32_t end) {
-  for (uint32_t i = first; i < end; ++i) {
-    ReliefCell* cell = &relief->cells[i];
-    const bool looked = cell->now != k_relief_none;
-    cell->now = k_relief_none;
-    const Around around = look_around(*relief, i);
-    const int32_t height = around.height < k_flat && around.height > -k_flat ? 0 : around.height;
-    const int32_t change = height > cell->shown ? height - cell->shown : cell->shown - height;
-    const int32_t tolerance = 2 * k_tolerance + around.difference;  // twice
-    // Back to the plane half of that is enough: there a height is known best.
-    const bool beyond = 2 * change > tolerance || (height == 0 && 4 * change > tolerance);
-    if (!beyond) {
-      cell->beyond = 0;
-      if (looked && cell->calm < k_calm_max) ++cell->calm;
-      continue;
-    }
-    if (looked && cell->beyond < UINT8_MAX) ++cell->beyond;
-    if (cell->beyond < 1 + cell->calm / k_calm_images) continue;
-    cell->beyond = cell->calm = 0;
-    show(relief, i, height);
+  const uint32_t width = relief->desc.cells[0];
+  for (uint32_t i = first; i < end;) {
+    const uint32_t left = width - i % width, count = end - i < left ? end - i : left;
+    commit_row(relief, i, count);
+    i += count;
   }
 }
 

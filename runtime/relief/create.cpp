@@ -13,9 +13,14 @@ namespace sandglass {
 
 void relief_reset(ReliefState* relief) {
   const uint32_t count = relief_cells(*relief);
-  __builtin_memset(relief->cells, 0, sizeof *relief->cells * count);
-  __builtin_memset(relief->heights, 0, sizeof *relief->heights * count);
-  for (uint32_t i = 0; i < count; ++i) relief->cells[i].now = k_relief_none;
+  const ReliefCells& cells = relief->cells;
+  for (uint32_t i = 0; i < k_relief_looks * cells.pitch; ++i) cells.looks[i] = INT16_MAX;
+  for (uint32_t i = 0; i < count; ++i) {
+    cells.now[i] = k_relief_none;
+    cells.median[i] = cells.shown[i] = 0;
+    cells.seen[i] = cells.next[i] = cells.beyond[i] = cells.calm[i] = 0;
+    relief->heights[i] = 0;
+  }
   relief->scale = 1;
   relief->scale_known = false;
   relief->last_ns = 0;
@@ -39,13 +44,17 @@ sandglass_status check(const sandglass_relief_desc& desc, const char** reason) {
 sandglass_relief* lay_out(const sandglass_relief_desc& desc, Layout* layout) {
   const uint64_t count = uint64_t{desc.cells[0]} * desc.cells[1];
   auto* handle = layout_region<sandglass_relief>(layout, "relief", 1);
-  auto* cells = layout_region<ReliefCell>(layout, "relief.cells", count);
-  auto* heights = layout_region<float>(layout, "relief.heights", count);
-  auto* samples = layout_region<uint16_t>(layout, "relief.samples", k_relief_samples);
-  if (handle == nullptr) return handle;
-  handle->relief.cells = cells;
-  handle->relief.heights = heights;
-  handle->relief.samples = samples;
+  ReliefState nowhere = {};
+  ReliefState* relief = handle == nullptr ? &nowhere : &handle->relief;
+  ReliefCells* cells = &relief->cells;
+  cells->pitch = static_cast<uint32_t>((count + k_relief_lanes - 1) / k_relief_lanes * k_relief_lanes);
+  cells->looks = layout_region<int16_t>(layout, "relief.looks", uint64_t{k_relief_looks} * cells->pitch);
+  int16_t** const heights[] = {&cells->median, &cells->shown, &cells->now};
+  for (int16_t** array : heights) *array = layout_region<int16_t>(layout, "relief.cells", count);
+  uint8_t** const counts[] = {&cells->seen, &cells->next, &cells->beyond, &cells->calm};
+  for (uint8_t** array : counts) *array = layout_region<uint8_t>(layout, "relief.counts", count);
+  relief->heights = layout_region<float>(layout, "relief.heights", count);
+  relief->samples = layout_region<uint16_t>(layout, "relief.samples", k_relief_samples);
   return handle;
 }
 
@@ -161,6 +170,10 @@ void sandglass_relief_get_heights(const sandglass_relief* relief, sandglass_heig
 uint64_t sandglass_relief_hash(const sandglass_relief* handle) {
   if (handle == nullptr) return 0;
   const ReliefState& relief = handle->relief;
-  const uint64_t hash = hash_bytes(relief.cells, sizeof *relief.cells * relief_cells(relief));
+  const uint64_t count = relief_cells(relief);
+  uint64_t hash = hash_bytes(relief.cells.looks, sizeof(int16_t) * k_relief_looks * relief.cells.pitch);
+  hash = hash_with(hash, hash_bytes(relief.cells.shown, sizeof(int16_t) * count));
+  const uint8_t* const arrays[] = {relief.cells.beyond, relief.cells.calm};
+  for (const uint8_t* array : arrays) hash = hash_with(hash, hash_bytes(array, count));
   return hash_with(hash, hash_bytes(&relief.scale, sizeof relief.scale));
 }

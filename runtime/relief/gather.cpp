@@ -9,28 +9,39 @@ namespace {
 // says nothing of the cell: as holes such samples were wrong in 6 of 100.
 constexpr float k_highest = 0.5f, k_lowest = -0.03f;
 
+// Samples of one row.
+void gather_row(const ReliefState& relief, uint32_t first, uint32_t count) {
+  const ReliefView& view = relief.view;
+  const ReliefRay start = relief_ray(view, first % view.width, first / view.width);
+  const float step = static_cast<float>(view.step), width = static_cast<float>(relief.desc.cells[0]),
+              length = static_cast<float>(relief.desc.cells[1]);
+  const float per_metre = relief.per_metre, unit = k_sample_unit * relief.scale;
+  const float from[2] = {view.position[0] * per_metre + relief.middle[0],
+                         view.position[2] * per_metre + relief.middle[1]};
+  int16_t* const now = relief.cells.now;
+  for (uint32_t i = 0; i < count; ++i) {
+    const uint16_t sample = relief.samples[first + i];
+    if (sample == 0 || sample >= k_sample_rejected) continue;
+    const float depth = static_cast<float>(sample) * unit, aside = static_cast<float>(i) * step;
+    const float height = view.position[1] + depth * (start.v[1] + aside * view.right[1]);
+    if (!(height <= k_highest && height >= k_lowest)) continue;
+    const float along = per_metre * depth, x = from[0] + along * (start.v[0] + aside * view.right[0]),
+                z = from[1] + along * (start.v[2] + aside * view.right[2]);
+    if (!(x >= 0.0f && x < width && z >= 0.0f && z < length)) continue;
+    const uint32_t cell = to_whole<uint32_t>(z) * relief.desc.cells[0] + to_whole<uint32_t>(x);
+    const auto whole = static_cast<int16_t>(floor_whole(height * k_relief_per_metre + 0.5f));
+    if (whole > now[cell]) now[cell] = whole;
+  }
+}
+
 }  // namespace
 
 void relief_gather(const ReliefState& relief, uint32_t first, uint32_t end) {
-  const ReliefView& view = relief.view;
-  for (uint32_t i = first; i < end; ++i) {
-    const uint16_t sample = relief.samples[i];
-    if (sample == 0 || (sample & k_sample_rejected) != 0) continue;
-    const float depth = static_cast<float>(sample) * k_sample_unit * relief.scale;
-    const ReliefRay ray = relief_ray(view, i % view.width, i / view.width);
-    const float height = view.position[1] + depth * ray.v[1];
-    if (!(height <= k_highest && height >= k_lowest)) continue;
-    uint32_t cell[2];
-    bool inside = true;
-    for (uint32_t k = 0; k < 2; ++k) {
-      const float along = (view.position[2 * k] + depth * ray.v[2 * k]) * relief.per_metre + relief.middle[k];
-      inside = inside && along >= 0.0f && along < static_cast<float>(relief.desc.cells[k]);
-      cell[k] = to_whole<uint32_t>(along);
-    }
-    if (!inside) continue;
-    const auto whole = static_cast<int16_t>(floor_whole(height * k_relief_per_metre + 0.5f));
-    int16_t* now = &relief.cells[cell[1] * relief.desc.cells[0] + cell[0]].now;
-    if (whole > *now) *now = whole;
+  const uint32_t width = relief.view.width;
+  for (uint32_t i = first; i < end;) {
+    const uint32_t left = width - i % width, count = end - i < left ? end - i : left;
+    gather_row(relief, i, count);
+    i += count;
   }
 }
 

@@ -48,37 +48,53 @@ bool seen_through(const ReliefState& relief, uint32_t x, uint32_t z, int16_t hei
   return seen > depth + k_beyond && top[1] - end > k_beyond;
 }
 
-void put_in_order(int16_t* a, int16_t* b) {
-  const int16_t least = *a < *b ? *a : *b, most = *a < *b ? *b : *a;
-  *a = least;
-  *b = most;
-}
+// Eight cells side by side.
+typedef int16_t Lanes __attribute__((vector_size(2 * k_relief_lanes)));
 
-// Of the looks that there are. Missing ones count as the highest, and lie beyond those that are asked for.
-int16_t median_of(const ReliefCell& cell) {
+// Sorts the looks of the cells from `first` on. Missing ones are the highest, and lie beyond those that count.
+void sort_looks(const ReliefCells& cells, uint32_t first, Lanes v[k_relief_looks]) {
   constexpr uint8_t k_network[19][2] = {{0, 1}, {2, 3}, {4, 5}, {6, 7}, {0, 2}, {1, 3}, {4, 6}, {5, 7}, {1, 2}, {5, 6},
                                         {0, 4}, {3, 7}, {1, 5}, {2, 6}, {1, 4}, {3, 6}, {2, 4}, {3, 5}, {3, 4}};
-  int16_t v[k_relief_looks];
-  for (uint32_t i = 0; i < k_relief_looks; ++i) v[i] = i < cell.seen ? cell.looks[i] : INT16_MAX;
-  for (const uint8_t* pair : k_network) put_in_order(&v[pair[0]], &v[pair[1]]);
-  const uint32_t half = cell.seen / 2;
-  return cell.seen % 2 != 0 ? v[half] : static_cast<int16_t>((v[half] + v[half - 1]) / 2);
+  for (uint32_t k = 0; k < k_relief_looks; ++k)
+    __builtin_memcpy(&v[k], cells.looks + k * cells.pitch + first, sizeof v[k]);
+  for (const uint8_t* pair : k_network) {
+    Lanes *a = &v[pair[0]], *b = &v[pair[1]];
+    const Lanes swaps = (*b < *a) & (*a ^ *b);
+    *a ^= swaps;
+    *b ^= swaps;
+  }
+}
+
+// Returns whether the image has shown the cell.
+bool take_look(const ReliefState& relief, uint32_t i) {
+  const ReliefCells& cells = relief.cells;
+  const uint32_t width = relief.desc.cells[0];
+  if (cells.now[i] == k_relief_none) {
+    if (cells.median[i] < k_raised || !seen_through(relief, i % width, i / width, cells.median[i])) return false;
+    cells.now[i] = 0;
+  }
+  cells.looks[cells.next[i] * cells.pitch + i] = cells.now[i];
+  cells.next[i] = static_cast<uint8_t>((cells.next[i] + 1) % k_relief_looks);
+  if (cells.seen[i] < k_relief_looks) ++cells.seen[i];
+  return true;
 }
 
 }  // namespace
 
 void relief_look(const ReliefState& relief, uint32_t first, uint32_t end) {
-  const uint32_t width = relief.desc.cells[0];
-  for (uint32_t i = first; i < end; ++i) {
-    ReliefCell* cell = &relief.cells[i];
-    if (cell->now == k_relief_none && cell->median >= k_raised &&
-        seen_through(relief, i % width, i / width, cell->median))
-      cell->now = 0;
-    if (cell->now == k_relief_none) continue;
-    cell->looks[cell->next] = cell->now;
-    cell->next = (cell->next + 1) % k_relief_looks;
-    if (cell->seen < k_relief_looks) ++cell->seen;
-    if (cell->seen >= k_relief_looks_min) cell->median = median_of(*cell);
+  const ReliefCells& cells = relief.cells;
+  for (uint32_t block = first; block < end; block += k_relief_lanes) {
+    const uint32_t count = end - block < k_relief_lanes ? end - block : k_relief_lanes;
+    bool any = false;
+    for (uint32_t i = block; i < block + count; ++i) any |= take_look(relief, i);
+    if (!any) continue;
+    Lanes v[k_relief_looks];
+    sort_looks(cells, block, v);
+    for (uint32_t lane = 0; lane < count; ++lane) {
+      const uint32_t i = block + lane, seen = cells.seen[i];
+      if (cells.now[i] == k_relief_none || seen < k_relief_looks_min) continue;
+      cells.median[i] = static_cast<int16_t>((v[(seen - 1) / 2][lane] + v[seen / 2][lane]) / 2);
+    }
   }
 }
 

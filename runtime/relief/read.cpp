@@ -16,7 +16,7 @@ constexpr float k_far = 4.0f;           // metres; noise grows with the square o
 constexpr float k_step_slope = 3.5f;    // depths over focal lengths: what a surface seen at 74 degrees rises in a pixel
 constexpr float k_step_noise = 0.004f;  // metres
 constexpr float k_steep = 0.15f;  // a ray that falls by less for a metre of depth meets the plane too flatly to vote
-constexpr uint32_t k_votes_min = 200;
+constexpr uint32_t k_votes_each = 4, k_votes_min = 50;  // one sample of four votes
 // Bins on either side: a peak is the mean of these, and the highest of those.
 constexpr uint32_t k_smooth = 6, k_apart = 9;
 constexpr uint32_t k_peak_share = 12;  // of a hundred votes; a peak has as many at least
@@ -27,19 +27,34 @@ const uint8_t* at(const void* rows, int32_t stride, uint32_t y) {
   return static_cast<const uint8_t*>(rows) + static_cast<int64_t>(stride) * y;
 }
 
-// Metres; 0: unknown.
-float depth_at(const sandglass_depth_image& image, uint32_t x, uint32_t y) {
-  const uint8_t* row = at(image.depth, image.stride, y);
-  float depth;
-  if (image.format == SANDGLASS_DEPTH_U16) {
-    uint16_t value;
-    memcpy(&value, row + sizeof value * x, sizeof value);
-    depth = static_cast<float>(value) * image.to_metres;
-  } else {
-    memcpy(&depth, row + sizeof depth * x, sizeof depth);
-    depth = depth * image.to_metres;
+// The depths of pixels in a row, metres; 0: unknown.
+template <class Stored>
+void read_row(const sandglass_depth_image& image, const uint8_t* from, uint32_t count, float* depths) {
+  const float to_metres = image.to_metres;
+  for (uint32_t i = 0; i < count; ++i) {
+    Stored stored;
+    memcpy(&stored, from + sizeof stored * i, sizeof stored);
+    const float depth = static_cast<float>(stored) * to_metres;
+    depths[i] = depth > 0.0f && depth <= k_far ? depth : 0.0f;
   }
-  return depth > 0.0f && depth <= k_far ? depth : 0.0f;
+}
+
+// A row of pixels and those above and below it, with one more at either end. Beyond the image lies what is at its edge.
+constexpr uint32_t k_read_pixels = 256;
+struct Pixels {
+  float rows[3][k_read_pixels + 2];
+};
+void read_pixels(const sandglass_depth_image& image, uint32_t x, uint32_t y, uint32_t count, Pixels* pixels) {
+  const uint32_t before = x > 0 ? 1 : 0, after = x + count < image.width ? 1 : 0;
+  for (uint32_t k = 0; k < 3; ++k) {
+    const uint32_t row = k == 0 && y == 0 ? 0 : y + k - 1, there = row < image.height ? row : image.height - 1;
+    float* depths = pixels->rows[k];
+    const bool floats = image.format == SANDGLASS_DEPTH_F32;
+    const uint8_t* from = at(image.depth, image.stride, there) + (x - before) * (floats ? 4 : 2);
+    (floats ? read_row<float> : read_row<uint16_t>)(image, from, before + count + after, depths + 1 - before);
+    if (before == 0) depths[0] = depths[1];
+    if (after == 0) depths[count + 1] = depths[count];
+  }
 }
 
 bool counts(const sandglass_depth_image& image, uint32_t x, uint32_t y) {
@@ -48,16 +63,16 @@ bool counts(const sandglass_depth_image& image, uint32_t x, uint32_t y) {
   return image.mask == nullptr || at(image.mask, image.mask_stride, y)[x] == 0;
 }
 
-// Whether a neighbour lies on another surface, or nowhere.
-bool beside_step(const sandglass_depth_image& image, uint32_t x, uint32_t y, float depth) {
-  const float aside = k_step_slope * depth / image.focal_x + k_step_noise,
-              below = k_step_slope * depth / image.focal_y + k_step_noise;
-  const auto leaps = [&](uint32_t nx, uint32_t ny, float most) {
-    const float step = depth_at(image, nx, ny) - depth;
-    return step > most || step < -most;
+// Whether a neighbour of a pixel lies on another surface, or nowhere. i: from the first pixel on.
+bool beside_step(const sandglass_depth_image& image, const Pixels& pixels, uint32_t i) {
+  const float *row = pixels.rows[1] + i, depth = row[1];
+  const auto largest = [depth](float a, float b) {
+    const float first = __builtin_fabsf(a - depth), second = __builtin_fabsf(b - depth);
+    return first > second ? first : second;
   };
-  return (x > 0 && leaps(x - 1, y, aside)) || (x + 1 < image.width && leaps(x + 1, y, aside)) ||
-         (y > 0 && leaps(x, y - 1, below)) || (y + 1 < image.height && leaps(x, y + 1, below));
+  const float slope = k_step_slope * depth;
+  return largest(row[0], row[2]) > slope / image.focal_x + k_step_noise ||
+         largest(pixels.rows[0][i + 1], pixels.rows[2][i + 1]) > slope / image.focal_y + k_step_noise;
 }
 
 void vote(ReliefView* view, const ReliefState& relief, const ReliefRay& ray, float depth) {
@@ -77,16 +92,24 @@ void vote(ReliefView* view, const ReliefState& relief, const ReliefRay& ray, flo
 
 void relief_read(ReliefView* view, const ReliefState& relief, uint32_t first, uint32_t end) {
   const sandglass_depth_image& image = view->image;
-  for (uint32_t i = first; i < end; ++i) {
-    const uint32_t column = i % view->width, row = i / view->width, x = column * view->step, y = row * view->step;
-    const float depth = depth_at(image, x, y);
-    uint16_t sample = 0;
-    if (depth > 0.0f && counts(image, x, y)) {
-      sample = to_whole<uint16_t>(depth * (1.0f / k_sample_unit) + 0.5f);
-      if (beside_step(image, x, y, depth)) sample |= k_sample_rejected;
-      else vote(view, relief, relief_ray(*view, column, row), depth);
+  const uint32_t most = k_read_pixels / view->step;
+  Pixels pixels;
+  for (uint32_t i = first; i < end;) {
+    const uint32_t column = i % view->width, row = i / view->width, y = row * view->step;
+    uint32_t count = view->width - column < most ? view->width - column : most;
+    count = end - i < count ? end - i : count;
+    read_pixels(image, column * view->step, y, (count - 1) * view->step + 1, &pixels);
+    for (uint32_t k = 0; k < count; ++k, ++i) {
+      const uint32_t pixel = k * view->step;
+      const float depth = pixels.rows[1][pixel + 1];
+      uint16_t sample = 0;
+      if (depth > 0.0f && counts(image, column * view->step + pixel, y)) {
+        sample = static_cast<uint16_t>(to_whole<uint32_t>(depth * (1.0f / k_sample_unit) + 0.5f));
+        if (beside_step(image, pixels, pixel)) sample |= k_sample_rejected;
+        else if ((column + k + row) % k_votes_each == 0) vote(view, relief, relief_ray(*view, column + k, row), depth);
+      }
+      relief.samples[i] = sample;
     }
-    relief.samples[i] = sample;
   }
 }
 

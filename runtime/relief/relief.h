@@ -27,6 +27,7 @@ constexpr float k_relief_scale_min = 0.92f, k_relief_scale_max = 1.08f;
 constexpr float k_relief_unit = 0.00025f;      // metres of a height
 constexpr float k_relief_per_metre = 4000.0f;  // heights
 constexpr int16_t k_relief_none = -32768;
+constexpr uint32_t k_relief_lanes = 8;  // cells whose looks are sorted together
 
 // A sample: depth in eighths of a millimetre, 0 where it is unknown, and whether it lies beside a step.
 constexpr float k_sample_unit = 0.000125f;
@@ -38,15 +39,17 @@ static_assert(k_relief_commit + 1 == k_relief_kinds);
 
 enum class ReliefPhase : uint32_t { idle, read, gather, look, commit };
 
-struct ReliefCell {
-  int16_t looks[k_relief_looks];
-  int16_t median;  // of the looks
-  int16_t shown;
-  int16_t now;   // the highest sample of the image under way, or k_relief_none
-  uint8_t seen;  // looks that there are
-  uint8_t next;  // where the next one goes
+// What is known of the cells, an array of each: passes over them are over many at once.
+struct ReliefCells {
+  uint32_t pitch;   // of `looks`: the number of cells, rounded up to k_relief_lanes
+  int16_t* looks;   // k_relief_looks rows of `pitch`; the highest number where there is none
+  int16_t* median;  // of the looks
+  int16_t* shown;
+  int16_t* now;   // the highest sample of the image under way, or k_relief_none
+  uint8_t* seen;  // looks that there are
+  uint8_t* next;  // where the next one goes
   // Images in a row that ask for another height; images that did not since the last change, up to k_calm_max.
-  uint8_t beyond, calm;
+  uint8_t *beyond, *calm;
 };
 
 // The image under way, as seen from the plane's frame.
@@ -77,7 +80,7 @@ struct ReliefState {
   ReliefPhase phase;
   uint32_t cursor;
   ReliefView view;
-  ReliefCell* cells;
+  ReliefCells cells;
   float* heights;
   uint16_t* samples;  // k_relief_samples
 };
