@@ -113,12 +113,8 @@ void commit_row(ReliefState* relief, uint32_t first, uint32_t count) {
 }  // namespace
 
 void relief_commit(ReliefState* relief, uint32_t first, uint32_t end) {
-  const uint32_t width = relief->desc.cells[0];
-  for (uint32_t i = first; i < end;) {
-    const uint32_t left = width - i % width, count = end - i < left ? end - i : left;
-    commit_row(relief, i, count);
-    i += count;
-  }
+  relief_for_rows(first, end, relief->desc.cells[0], k_relief_unit_cells,
+                  [&](uint32_t from, uint32_t count) { commit_row(relief, from, count); });
 }
 
 }  // namespace sandglass

@@ -11,15 +11,19 @@
 
 namespace sandglass {
 
+void relief_set_cell(ReliefState* relief, uint32_t i, int16_t height) {
+  const ReliefCells& cells = relief->cells;
+  for (uint32_t k = 0; k < k_relief_looks; ++k) cells.looks[k * cells.pitch + i] = INT16_MAX;
+  cells.median[i] = cells.shown[i] = height;
+  cells.seen[i] = cells.next[i] = cells.beyond[i] = cells.calm[i] = 0;
+  relief->heights[i] = static_cast<float>(height) * k_relief_unit;
+}
+
 void relief_reset(ReliefState* relief) {
   const uint32_t count = relief_cells(*relief);
-  const ReliefCells& cells = relief->cells;
-  for (uint32_t i = 0; i < k_relief_looks * cells.pitch; ++i) cells.looks[i] = INT16_MAX;
   for (uint32_t i = 0; i < count; ++i) {
-    cells.now[i] = k_relief_none;
-    cells.median[i] = cells.shown[i] = 0;
-    cells.seen[i] = cells.next[i] = cells.beyond[i] = cells.calm[i] = 0;
-    relief->heights[i] = 0;
+    relief_set_cell(relief, i, 0);
+    relief->cells.now[i] = k_relief_none;
   }
   relief->scale = 1;
   relief->scale_known = false;

@@ -75,12 +75,14 @@ bool beside_step(const sandglass_depth_image& image, const Pixels& pixels, uint3
          largest(pixels.rows[0][i + 1], pixels.rows[2][i + 1]) > slope / image.focal_y + k_step_noise;
 }
 
-void vote(ReliefView* view, const ReliefState& relief, const ReliefRay& ray, float depth) {
-  if (!(ray.v[1] < -k_steep)) return;
-  const float on_plane = -view->position[1] / ray.v[1], scale = on_plane / depth;
+void vote(ReliefView* view, const ReliefState& relief, uint32_t column, uint32_t row, float depth) {
+  float ray[3];
+  relief_ray(*view, column, row, ray);
+  if (!(ray[1] < -k_steep)) return;
+  const float on_plane = -view->position[1] / ray[1], scale = on_plane / depth;
   if (!(scale > k_relief_scale_min && scale < k_relief_scale_max)) return;
   for (uint32_t k = 0; k < 2; ++k) {
-    const float along = (view->position[2 * k] + on_plane * ray.v[2 * k]) * relief.per_metre + relief.middle[k];
+    const float along = (view->position[2 * k] + on_plane * ray[2 * k]) * relief.per_metre + relief.middle[k];
     if (!(along >= 0.0f && along < static_cast<float>(relief.desc.cells[k]))) return;
   }
   const auto bin = to_whole<uint32_t>((scale - k_relief_scale_min) * k_bins_per_scale);
@@ -92,25 +94,22 @@ void vote(ReliefView* view, const ReliefState& relief, const ReliefRay& ray, flo
 
 void relief_read(ReliefView* view, const ReliefState& relief, uint32_t first, uint32_t end) {
   const sandglass_depth_image& image = view->image;
-  const uint32_t most = k_read_pixels / view->step;
   Pixels pixels;
-  for (uint32_t i = first; i < end;) {
-    const uint32_t column = i % view->width, row = i / view->width, y = row * view->step;
-    uint32_t count = view->width - column < most ? view->width - column : most;
-    count = end - i < count ? end - i : count;
-    read_pixels(image, column * view->step, y, (count - 1) * view->step + 1, &pixels);
-    for (uint32_t k = 0; k < count; ++k, ++i) {
+  relief_for_rows(first, end, view->width, k_read_pixels / view->step, [&](uint32_t from, uint32_t count) {
+    const uint32_t column = from % view->width, row = from / view->width, x = column * view->step, y = row * view->step;
+    read_pixels(image, x, y, (count - 1) * view->step + 1, &pixels);
+    for (uint32_t k = 0; k < count; ++k) {
       const uint32_t pixel = k * view->step;
       const float depth = pixels.rows[1][pixel + 1];
       uint16_t sample = 0;
-      if (depth > 0.0f && counts(image, column * view->step + pixel, y)) {
+      if (depth > 0.0f && counts(image, x + pixel, y)) {
         sample = static_cast<uint16_t>(to_whole<uint32_t>(depth * (1.0f / k_sample_unit) + 0.5f));
         if (beside_step(image, pixels, pixel)) sample |= k_sample_rejected;
-        else if ((column + k + row) % k_votes_each == 0) vote(view, relief, relief_ray(*view, column + k, row), depth);
+        else if ((column + k + row) % k_votes_each == 0) vote(view, relief, column + k, row, depth);
       }
-      relief.samples[i] = sample;
+      relief.samples[from + k] = sample;
     }
-  }
+  });
 }
 
 void relief_find_scale(ReliefState* relief) {

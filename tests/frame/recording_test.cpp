@@ -81,7 +81,7 @@ TEST(Recording, ComesBackAsItWasWritten) {
 
 TEST(Recording, StartsWithTheDocumentedBytes) {
   const std::vector<uint8_t> bytes = encode_recording({});
-  const uint8_t expected[] = {'S', 'G', 'R', 'E', 'C', '\r', '\n', 0x1a, 6, 0, 0, 0, 1, 0, 0, 0, 79, 0, 0, 0};
+  const uint8_t expected[] = {'S', 'G', 'R', 'E', 'C', '\r', '\n', 0x1a, 6, 0, 0, 0, 1, 0, 0, 0, 89, 0, 0, 0};
   ASSERT_GE(bytes.size(), sizeof(expected));
   EXPECT_EQ(std::memcmp(bytes.data(), expected, sizeof(expected)), 0);
 }

@@ -239,6 +239,7 @@ class Arguments : public ::testing::Test {
   void fields();
   void lights();
   void rooms();
+  void reliefs();
   void shadows();
   void casts();
   void pile_shadows();

@@ -242,6 +242,29 @@ void Arguments::rooms() {
   EXPECT_TRUE(block.guards_intact());
 }
 
+void Arguments::reliefs() {
+  sandglass_relief_desc desc_of = sandglass::relief_desc();
+  GuardedBlock block{0};
+  sandglass_relief* const relief = MADE(sandglass_relief, &block, &desc_of);
+  const float level[4] = {0, 0, 0, 1};
+  row(NAMED(sandglass_relief_set_plane), "", relief, point, level);
+  sandglass_depth_image image = sandglass::depth_image();
+  const std::vector<uint16_t> pixels(12, 500);
+  image.width = 4;
+  image.height = 3;
+  image.depth = pixels.data();
+  image.stride = 8;
+  image.focal_x = image.focal_y = 3;
+  row(NAMED(sandglass_relief_set_image), "taken", relief, &image, &taken);
+  fills(NAMED(sandglass_relief_get_heights), relief);
+  row(NAMED(sandglass_relief_save_bytes), "", relief, 1u);
+  const uint64_t saved_bytes = sandglass_relief_save_bytes(relief, 1);
+  std::vector<uint8_t> saved(saved_bytes);
+  row(NAMED(sandglass_relief_save), "", relief, 1u, static_cast<void*>(saved.data()), saved_bytes, &need);
+  row(NAMED(sandglass_relief_restore), "", relief, static_cast<const void*>(saved.data()), saved_bytes);
+  EXPECT_TRUE(block.guards_intact());
+}
+
 void Arguments::shadows() {
   uint64_t file_bytes = 0;
   const std::vector<uint64_t> file = file_of(SANDGLASS_CHAIR_SHADOW, &file_bytes);
@@ -338,6 +361,7 @@ TEST_F(Arguments, EveryFunctionKeepsTheThreeRules) {
   fields();
   lights();
   rooms();
+  reliefs();
   shadows();
   casts();
   pile_shadows();

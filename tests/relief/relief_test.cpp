@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "runtime/math/hash.h"
+#include "tests/damaged_file.h"
 #include "tests/reason.h"
 #include "tests/relief/depth_of_box.h"
 
@@ -153,6 +154,56 @@ TEST(Relief, TheWorldMayBeTurned) {
   sandglass::Relief unmoved = made();  // the control
   for (int look = 0; look < 8; ++look) EXPECT_TRUE(unmoved.set_image(turned));
   EXPECT_GT(wrong_heights(unmoved, 2 * k_quarter), 200u);
+}
+
+// A second device takes what each version has changed, and a later session all.
+TEST(Relief, SavesWhatAnotherOneShows) {
+  const DepthOfBox with, without(false);
+  sandglass::Relief first = made(), second = made(), later = made();
+  std::vector<std::byte> bytes, changes;
+  uint64_t version = 0;
+  for (int image = 0; image < 30; ++image) {
+    EXPECT_TRUE(first.set_image(image < 12 ? with.image : without.image));
+    if (first.heights().version == version) continue;
+    version = first.heights().version;
+    EXPECT_TRUE(first.save(&changes, false) && second.restore(changes));
+    EXPECT_EQ(heights_of(second), heights_of(first)) << image;
+    EXPECT_EQ(second.heights().version, version);
+    if (version > 1) continue;
+    EXPECT_LT(changes.size(), 1000u);  // of 32,816
+    EXPECT_TRUE(first.save(&bytes));
+    EXPECT_EQ(wrong_heights(second, k_quarter), 0u);
+  }
+  EXPECT_GE(version, 2u);
+  // The changes alone of a version do not make up for one that was missed.
+  EXPECT_TRUE(later.restore(changes));
+  EXPECT_TRUE(later.restore(bytes));
+  EXPECT_EQ(wrong_heights(later, k_quarter), 0u);
+  // What was restored goes like what was seen.
+  for (int image = 0; image < 12; ++image) EXPECT_TRUE(later.set_image(without.image));
+  EXPECT_EQ(wrong_heights(later, k_quarter, 0), 0u);
+}
+
+TEST(Relief, RestoresWholeBytesOfItsOwnKindAlone) {
+  const DepthOfBox depth;
+  sandglass_relief_desc small = sandglass::relief_desc();
+  small.cells[0] = 40;
+  small.cells[1] = 16;
+  sandglass::Relief relief = made(small);
+  for (int look = 0; look < 8; ++look) EXPECT_TRUE(relief.set_image(depth.image));
+  std::vector<std::byte> bytes;
+  EXPECT_TRUE(relief.save(&bytes));
+  expect_only_whole_taken(
+      bytes, [&](const std::vector<std::byte>& data) { return static_cast<bool>(relief.restore(data)); }, 400);
+  std::swap(small.cells[0], small.cells[1]);
+  EXPECT_FALSE(made(small).restore(bytes));
+  uint64_t written = 0;
+  expect_refused(
+      "bytes",
+      [&](const char** reason) {
+        return sandglass_relief_save(relief.get(), 1, bytes.data(), bytes.size() - 1, &written, reason);
+      },
+      SANDGLASS_ERROR_MEMORY_TOO_SMALL);
 }
 
 // A clock by which every frame is late: one unit a frame beside those that read the image.

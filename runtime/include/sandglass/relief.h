@@ -25,7 +25,7 @@
  * differs from what was shown by 6 mm, and by half of what neighbours differ, in one to six images, the more the longer
  * the cell was still. Below 8 mm it is exactly 0. A thing that is taken away goes when the camera sees through it.
  *
- * Limits. A map has one height for each cell: what is below a shelf is as solid as the shelf. Cells of 1 cm fill cups and
+ * Limits. A map has one height for each cell, up to 0.5 m: what is below a shelf is as solid as the shelf. Cells of 1 cm fill cups and
  * blunt rims; things thinner than 8 mm are not seen; below the plane nothing is believed. Images that a system has
  * smoothed lose things lower than about 12 cm. A hand becomes solid where it rests: pass a mask.
  *
@@ -156,6 +156,22 @@ typedef struct sandglass_heights {
 
 /* Fills *heights. Set heights->struct_size before. */
 SANDGLASS_API void sandglass_relief_get_heights(const sandglass_relief* relief, sandglass_heights* heights);
+
+/* The bytes that sandglass_relief_save writes: of all heights (whole 1), or of those that the last version has changed (0). */
+SANDGLASS_API uint64_t sandglass_relief_save_bytes(const sandglass_relief* relief, uint32_t whole);
+
+/* Writes heights, so that another relief of the same description shows them: a later session (whole 1), or a second device
+ * and a replay, which take what each version has changed (0). *written is the number of bytes. Fails with
+ * MEMORY_TOO_SMALL; nothing was written then. */
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_relief_save(const sandglass_relief* relief, uint32_t whole,
+                                                                         void* data, uint64_t bytes, uint64_t* written,
+                                                                         const char** reason);
+
+/* Shows what sandglass_relief_save wrote; the bytes may come from anywhere. It is a version of its own. What was seen of
+ * these cells is forgotten: they change again after five looks. Fails with INVALID_ARGUMENT: the bytes are no saved
+ * relief, of another version or description, damaged, or hold a height that no relief has. */
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_relief_restore(sandglass_relief* relief, const void* data,
+                                                                            uint64_t bytes, const char** reason);
 
 /* A 64-bit hash of all that was seen. It is equal on every instruction set and compiler. */
 SANDGLASS_API uint64_t sandglass_relief_hash(const sandglass_relief* relief);

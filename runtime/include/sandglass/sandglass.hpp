@@ -298,7 +298,7 @@ class Estimator : public Owned<sandglass_estimator> {
 };
 
 // ----------------------------------------------------------------------------------------------------------------
-// room
+// room, relief
 
 inline sandglass_room_desc room_desc() { return filled(sandglass_room_desc_default); }
 
@@ -374,12 +374,7 @@ class Room : public Owned<sandglass_room> {
   uint64_t hash() const { return sandglass_room_hash(get()); }
 };
 
-// ----------------------------------------------------------------------------------------------------------------
-// relief
-
 inline sandglass_relief_desc relief_desc() { return filled(sandglass_relief_desc_default); }
-
-// A depth image with the defaults: see sandglass_depth_image.
 inline sandglass_depth_image depth_image() { return filled(sandglass_depth_image_default); }
 
 // Heights of the real place, and the block they live in. Movable, not copyable.
@@ -389,7 +384,6 @@ class Relief : public Owned<sandglass_relief> {
   Status create(const sandglass_relief_desc& desc = relief_desc()) {
     return create_of(sandglass_relief_bytes, sandglass_relief_create, &desc);
   }
-
   // See sandglass_relief_set_plane.
   Status set_plane(const float position[3], const Rotation& rotation) {
     return call(sandglass_relief_set_plane, get(), position, rotation.data());
@@ -400,6 +394,16 @@ class Relief : public Owned<sandglass_relief> {
   }
   // See sandglass_relief_get_heights.
   sandglass_heights heights() const { return reported<sandglass_heights>(sandglass_relief_get_heights, get()); }
+  // All heights, or what the last version has changed. See sandglass_relief_save.
+  Status save(std::vector<std::byte>* data, bool whole = true) const {
+    data->resize(static_cast<std::size_t>(sandglass_relief_save_bytes(get(), whole ? 1 : 0)));
+    uint64_t written = 0;
+    return call(sandglass_relief_save, get(), whole ? 1u : 0u, data->data(), uint64_t{data->size()}, &written);
+  }
+  // See sandglass_relief_restore.
+  Status restore(const std::vector<std::byte>& data) {
+    return call(sandglass_relief_restore, get(), data.data(), uint64_t{data.size()});
+  }
   // See sandglass_relief_reset.
   void reset() { sandglass_relief_reset(get()); }
   // See sandglass_relief_hash.
