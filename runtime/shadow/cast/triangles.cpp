@@ -107,12 +107,20 @@ Outline cut(const Outline& outline, float level, bool above_it) {
 void emit_part(CastGathered* g, const float corners[3][3]) {
   const uint32_t layer = g->part % g->layers;
   const float bias = g->part < k_cast_virtual_closed * g->layers ? g->frame.bias : 0;
+  const float bottom = cast_level(g->frame, g->layers, layer) + bias;
+  const float top = layer + 1 < g->layers ? cast_level(g->frame, g->layers, layer + 1) + bias : k_cast_far;
+  uint32_t above = 0, beyond = 0;
+  for (uint32_t i = 0; i < 3; ++i) {
+    above += corners[i][1] > bottom ? 1 : 0;
+    beyond += corners[i][1] > top ? 1 : 0;
+  }
+  if (above == 0 || beyond == 3) return;
+  if (above == 3 && beyond == 0) return emit(g, corners[0], corners[1], corners[2]);
   Outline kept;
   kept.count = 3;
   memcpy(kept.corners, corners, 3 * sizeof kept.corners[0]);
-  kept = cut(kept, cast_level(g->frame, g->layers, layer) + bias, true);
-  if (layer + 1 < g->layers && kept.count != 0)
-    kept = cut(kept, cast_level(g->frame, g->layers, layer + 1) + bias, false);
+  if (above < 3) kept = cut(kept, bottom, true);
+  if (beyond > 0) kept = cut(kept, top, false);
   for (uint32_t i = 2; i < kept.count; ++i) emit(g, kept.corners[0], kept.corners[i - 1], kept.corners[i]);
 }
 
