@@ -45,12 +45,15 @@ struct WorkUnit {
   const char* name = "";  // for the trace hook
 };
 
-// Work that a stage would still like to do in this frame, for one kind.
+// Work that a stage would still like to do in this frame, for one kind. There are some tens on the stack: without gaps.
 struct Forecast {
-  uint32_t kind;
   uint64_t items;
+  uint32_t kind;
   // May go on in later frames. All work of this sort together counts for no more than the stage's share.
-  bool spread = false;
+  bool spread;
+
+  Forecast() = default;
+  Forecast(uint32_t of, uint64_t count, bool may_go_on = false) : items(count), kind(of), spread(may_go_on) {}
 };
 
 // What a capability takes part in a frame with. Each capability exports one function that returns its Stage; the scene

@@ -95,18 +95,21 @@ typedef struct sandglass_depth_image {
   /* Pixels as stored, 2..SANDGLASS_CAMERA_SIDE_LIMIT. Where there are more than 16,384, each n-th of each n-th row is
    * taken. */
   uint32_t width, height;
-  /* The first row, and bytes from row to row, at least those of a row; negative where the lower row is stored first. */
+  /* The upper row. */
   const void* depth;
+  /* Bytes from row to row, at least those of a row. Negative where the lower row is stored first. */
   int32_t stride;
   /* What a number is multiplied by to give metres, 1e-6..1e3. Default: 0.001. */
   float to_metres;
-  /* NULL, or a byte for each pixel: how sure its depth is. Below `confidence_min` it is unknown: 128 for ARCore's raw
-   * depth, 2 for ARKit. */
+  /* NULL, or a byte for each pixel: how sure its depth is. */
   const uint8_t* confidence;
+  /* Of its rows, as `stride`. */
   int32_t confidence_stride;
+  /* Depth of less confidence is unknown: 128 for ARCore's raw depth, 2 for ARKit. */
   uint32_t confidence_min;
   /* NULL, or a byte for each pixel: where it is not 0 the depth is a person's, or what else is not to become solid. */
   const uint8_t* mask;
+  /* Of its rows, as `stride`. */
   int32_t mask_stride;
   /* Pixels of the stored image, 1..1e6. */
   float focal_x, focal_y;

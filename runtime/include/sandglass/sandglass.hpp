@@ -374,6 +374,7 @@ class Room : public Owned<sandglass_room> {
   uint64_t hash() const { return sandglass_room_hash(get()); }
 };
 
+// The defaults of relief.h.
 inline sandglass_relief_desc relief_desc() { return filled(sandglass_relief_desc_default); }
 inline sandglass_depth_image depth_image() { return filled(sandglass_depth_image_default); }
 
