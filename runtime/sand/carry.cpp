@@ -13,7 +13,6 @@ constexpr float k_rubbed = 0.5f;   // of the time given up, what counts for the 
 constexpr float k_pressed = 0.5f;  // radii from another collider; what is nearer is pressed into it
 constexpr float k_room_step = 1.5f;    // radii that are looked at at once; no wall of two radii lies between
 constexpr uint32_t k_room_steps = 32;  // at most
-constexpr uint32_t k_together = 4;     // times sixteen particles that are first taken for held by one collider
 
 // ---- moving what is held
 
@@ -70,13 +69,6 @@ float second_scale(const Granular& g, uint32_t group, uint32_t active_before) {
   if (phase == SubstepPhase::stabilise || !active) return 1.0f;
   return last && active_before * k_lane_group < g.substep.cursor ? 1.0f : g.substep.length;
 }
-
-struct Sixteen {
-  uint32_t first, count;       // particles
-  float scale;                 // of their copies
-  Bounds box;                  // around all that have not departed
-  uint32_t here, free, awake;  // bits: these; and of them what is sand; what is awake
-};
 
 void carry_bits(Carry* c, const Granular& g, const Sixteen& it, uint32_t which, const CarriedMotion& carried,
                 float gains, bool hollow) {
@@ -535,7 +527,7 @@ bool carry_run(Carry* c, const Granular& g) {
   uint32_t active = 0;
   while (active < sleep.active_count && sleep.active_groups[active] < c->cursor / k_lane_group) ++active;
   for (uint32_t group = c->cursor / k_lane_group; group * k_lane_group < end && c->group_count != 0;) {
-    Sixteen sixteens[k_together];
+    auto& sixteens = scratch_of(g).sixteens;
     Bounds box = k_nowhere;
     uint32_t count = 0;
     for (; count < k_together && group * k_lane_group < end; ++count, ++group) {

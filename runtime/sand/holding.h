@@ -7,12 +7,21 @@ namespace sandglass {
 
 constexpr uint32_t k_no_holder = ~0u;
 constexpr uint32_t k_holders_near = 64;  // colliders that are asked for a group of particles
+constexpr uint32_t k_together = 4;       // times sixteen particles that are first taken for held by one collider
 
 // Positions and velocities of sixteen particles. Lanes without a particle repeat one of the others.
 struct HeldLanes {
   alignas(sizeof(Quad)) float at[3][k_lane_group];
   const float* velocities;  // a record apart
   uint32_t count;
+};
+
+// Sixteen particles that may be held.
+struct Sixteen {
+  uint32_t first, count;       // particles
+  float scale;                 // of their copies
+  Bounds box;                  // around all that have not departed
+  uint32_t here, free, awake;  // bits: these; and of them what is sand; what is awake
 };
 
 // A box around particles, and the colliders that are below it, near it or around it.
@@ -27,6 +36,7 @@ struct HeldGroup {
 struct HeldScratch {
   alignas(SANDGLASS_BLOCK_ALIGNMENT) SurfacePoint points[k_lane_group];
   HeldLanes lanes, corners;
+  Sixteen sixteens[k_together];
   HeldGroup group;
   ColliderFrame posed;
   alignas(sizeof(Quad)) float local[3][k_lane_group], traced[3][k_lane_group], normal[3][k_lane_group];
