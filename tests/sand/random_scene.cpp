@@ -211,6 +211,25 @@ void RandomScene::add_light() {
   light.isa = desc.isa;
   light.interval = 8.0f;
   ::accept(light_.create(light));
+  add_relief();
+}
+
+// Looks down at what is as high as numbers say, up to 0.2 m.
+void RandomScene::add_relief() {
+  constexpr uint32_t k_width = 48, k_height = 32;
+  for (uint32_t i = 0; i < k_width * k_height; ++i)
+    depths_.push_back(static_cast<uint16_t>(400 + (depth_random_.below(3) != 0 ? 200 : depth_random_.below(200))));
+  depth_.width = k_width;
+  depth_.height = k_height;
+  depth_.depth = depths_.data();
+  depth_.stride = 2 * k_width;
+  depth_.focal_x = depth_.focal_y = 40;
+  depth_.centre_x = 0.5f * (k_width - 1);
+  depth_.centre_y = 0.5f * (k_height - 1);
+  depth_.position[1] = 0.6f;
+  const float x_axis[3] = {1, 0, 0};
+  sandglass_rotation_about(x_axis, -1.57079632679f, depth_.orientation);
+  ::accept(relief_.create());
 }
 
 void RandomScene::add_shadows() {
@@ -238,6 +257,7 @@ RandomScene::RandomScene(uint64_t number, bool replays)
       clock_random_(random_stream(number, 2)),
       pool_random_(random_stream(number, 3)),
       light_random_(random_stream(number, 4)),
+      depth_random_(random_stream(number, 5)),
       every_stage_(number % 8 == 0) {
   describe(replays);
   block = test::GuardedBlock(Scene::bytes(desc));
@@ -253,7 +273,7 @@ RandomScene::RandomScene(uint64_t number, bool replays)
 uint64_t RandomScene::hash() const {
   uint64_t all = scene.hash();
   for (const uint64_t part : {pile_.hash(), skin_.hash(), room_.hash(), sandglass_estimator_hash(light_.get()),
-                              shadow ? sandglass_shadow_hash(shadow->shadow) : 0})
+                              relief_.hash(), shadow ? sandglass_shadow_hash(shadow->shadow) : 0})
     all = 31 * all + part;
   return all;
 }
@@ -345,6 +365,9 @@ sandglass_frame_input RandomScene::next_input() {
   input.room = room_.get();
   input.camera = room_ ? &image_ : nullptr;
   input.estimator = light_.get();
+  depth_.timestamp_ns = image_.timestamp_ns;
+  input.relief = relief_.get();
+  input.depth = relief_ ? &depth_ : nullptr;
   if (shadow) {
     input.shadows = &shadow->shadow;
     input.shadow_count = 1;

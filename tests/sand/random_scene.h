@@ -1,5 +1,5 @@
-// A whole scene drawn from one number: the material, the colliders, what moves, pours and drains, the shadows, the light
-// and the room, the clock and its budgets, the pool, and what an app does between frames. The same number gives the same
+// A whole scene drawn from one number: the material, the colliders, what moves, pours and drains, the shadows, the light,
+// the room and the relief, the clock and its budgets, the pool, and what an app does between frames. The same number gives the same
 // scene and the same inputs, frame by frame, on any machine. Every eighth has all stages, every hundredth a thousand
 // frames.
 //
@@ -54,6 +54,7 @@ struct RandomScene {
   void add_colliders();
   void add_shadows();
   void add_light();
+  void add_relief();
   void move_colliders(float step);
   void act();
   float draw_step();
@@ -63,7 +64,7 @@ struct RandomScene {
   static void unit_begins(void*, const char*) {}
   static void unit_ends(void* user, const char*);
 
-  Random random_, clock_random_, pool_random_, light_random_;
+  Random random_, clock_random_, pool_random_, light_random_, depth_random_;
   bool every_stage_;  // of every eighth scene
   uint64_t clock_ns_ = 0, unit_ns_ = 0;
   uint32_t clock_kind_ = 0;
@@ -81,6 +82,9 @@ struct RandomScene {
   Room room_;
   std::vector<uint8_t> pixels_;
   sandglass_camera_image image_ = {};
+  Relief relief_;
+  std::vector<uint16_t> depths_;
+  sandglass_depth_image depth_ = depth_image();
   double time_ = 0.0;
 };
 
