@@ -206,7 +206,8 @@ uint64_t run_unit(Frame* frame, uint32_t index, const WorkUnit& unit) {
 }
 
 bool offers(const Frame& frame, uint32_t index, WorkUnit* unit) {
-  return stage_next(frame.stages[index], frame.level, unit);
+  const Stage& stage = frame.stages[index];
+  return stage.state != nullptr && stage_next(stage, frame.level, unit);  // null: it is left out
 }
 
 // ---------------------------------------------------------------------------------------------------- admission
@@ -293,7 +294,8 @@ bool run_optional(Frame* frame, uint64_t* last_unit) {
   bool denied[SANDGLASS_STAGE_COUNT] = {};
   const uint64_t taken = add(add(frame->elapsed, frame->assumed), add(frame->unseen, frame->reserve));
   const uint64_t left = frame->budget > taken ? frame->budget - taken : 0;
-  for (uint32_t i = 0; i < frame->open_count; ++i) allowance[i] = share_of(left, frame->stages[i].share);
+  for (uint32_t i = 0; i < frame->open_count; ++i)
+    allowance[i] = frame->stages[i].state != nullptr ? share_of(left, frame->stages[i].share) : 0;
 
   bool blocked_counts = true;
   for (;;) {
