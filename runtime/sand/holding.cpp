@@ -100,9 +100,9 @@ void trace_field(const Granular& g, const ColliderFrame& c, const HeldLanes& lan
   bool open = true;
   for (uint32_t step = 0; step < k_trace_steps && open; ++step) {
     const float longer = 0.5f + 0.25f * static_cast<float>(step), shortest = (longer < k_thin ? longer : k_thin) * r;
-    for (uint32_t l = 0; l < k_lane_group; ++l)
+    for (uint32_t l = 0; l < lanes.count; ++l)
       for (int k = 0; k < 3; ++k) at[k][l] = lanes.at[k][l] + (below[l] < k_far ? below[l] : 0.0f) * down[k];
-    holding_measure(g, c, at, distance);
+    holding_measure(g, c, at, distance, lanes.count);
     open = false;
     for (uint32_t l = 0; l < lanes.count; ++l) {
       const bool beyond = distance[l] < k_reached * r;
@@ -218,7 +218,7 @@ uint32_t vessel_that_holds_all(const Granular& g, const HeldGroup& group, uint32
   auto& found = scratch_of(g).found;
   corners.count = k_corners;
   for (int k = 0; k < 3; ++k)
-    for (uint32_t l = 0; l < k_lane_group; ++l)
+    for (uint32_t l = 0; l < k_corners; ++l)
       corners.at[k][l] = (l >> k & 1) != 0 ? group.box.high[k] : group.box.low[k];
   if (within_group(g, vessel, corners) != k_all_corners) return k_no_holder;
   float below[k_corners], lowest = 0.0f;
