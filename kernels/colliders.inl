@@ -54,6 +54,7 @@ SANDGLASS_INLINE Surface box(const ColliderFrame& c, Float x, Float y, Float z) 
 }
 
 #include "kernels/field.inl"
+#include "kernels/relief.inl"
 
 // One copy for all kernels: together they are a quarter of their code.
 SANDGLASS_NOINLINE Surface bounded_surface(const ColliderFrame& c, Float x, Float y, Float z) {
@@ -68,6 +69,8 @@ SANDGLASS_NOINLINE Surface bounded_surface(const ColliderFrame& c, Float x, Floa
       return box(c, x, y, z);
     case SANDGLASS_SHAPE_FIELD:
       return field_surface(c, x, y, z);
+    case SANDGLASS_SHAPE_RELIEF:
+      return relief_surface(c, x, y, z);
     default:
       return ball(x, y, z, c.size[0], up);
   }
@@ -81,11 +84,17 @@ SANDGLASS_INLINE Surface collider_surface(const ColliderFrame& c, Float px, Floa
           broadcast(up[2])};
 }
 
-// Whether all lanes are far from a box, a capsule or a ball. What is rounded away is less than the hundredth more.
+// Whether all lanes are far from a box, a capsule or a ball, or above a relief by `margin`, which is its offset. What is
+// rounded away is less than the hundredth more.
 SANDGLASS_INLINE bool far_from(const ColliderFrame& c, const Float position[3], float margin) {
   if (c.shape == SANDGLASS_SHAPE_HALF_SPACE || c.shape == SANDGLASS_SHAPE_FIELD) return false;
   const Float x = position[0] - broadcast(c.position[0]), y = position[1] - broadcast(c.position[1]),
               z = position[2] - broadcast(c.position[2]), more = broadcast(1.001f * margin);
+  if (c.shape == SANDGLASS_SHAPE_RELIEF) {
+    const float* up = c.axes[1];
+    const Float above = dot3(x, y, z, broadcast(up[0]), broadcast(up[1]), broadcast(up[2]));
+    return all(broadcast(1.001f * greatest_height(c.field)) + more < above);
+  }
   if (all((broadcast(c.extent[0]) + more < absolute(x)) | (broadcast(c.extent[1]) + more < absolute(y)) |
           (broadcast(c.extent[2]) + more < absolute(z))))
     return true;

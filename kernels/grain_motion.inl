@@ -24,7 +24,14 @@ SANDGLASS_INLINE Float free_flight(const RefineArgs* a, const Flow& flow) {
   return select(alone, one, lambda);
 }
 
-// Returns the lanes that a field moved: its distance is rough, in corners and far inside.
+// Where the ground is no plane that lies as local y = 0 does.
+SANDGLASS_INLINE Mask steep(const ColliderFrame& c, const Float n[3]) {
+  constexpr float k_level = 0.999f;  // the cosine of 2.6 degrees
+  const float* up = c.axes[1];
+  return dot3(n[0], n[1], n[2], broadcast(up[0]), broadcast(up[1]), broadcast(up[2])) < broadcast(k_level);
+}
+
+// Returns the lanes that a field moved, or a relief where it is steep: there distances are rough.
 SANDGLASS_NOINLINE Mask keep_outside(const RefineArgs* a, const ColliderFrame* colliders, Mask lanes, Float position[3],
                                      Float velocity[3]) {
   const Float zero = broadcast(0.0f), one = broadcast(1.0f);
@@ -36,8 +43,9 @@ SANDGLASS_NOINLINE Mask keep_outside(const RefineArgs* a, const ColliderFrame* c
     const Float depth = broadcast(a->grain_radius) - surface.distance;
     const Mask hit = lanes & (zero < depth);
     if (!any(hit)) continue;
-    if (collider.shape == SANDGLASS_SHAPE_FIELD) rough = rough | hit;
     const Float n[3] = {surface.nx, surface.ny, surface.nz};
+    if (collider.shape == SANDGLASS_SHAPE_FIELD) rough = rough | hit;
+    if (collider.shape == SANDGLASS_SHAPE_RELIEF) rough = rough | (hit & steep(collider, n));
     Float v[3], relative[3], along = zero;
     collider_velocity(collider, position[0], position[1], position[2], n, v);
     for (int k = 0; k < 3; ++k) {

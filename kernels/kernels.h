@@ -66,6 +66,12 @@ struct FieldGrid {
   float border;  // the value nearest to the surface on the faces of the grid
 };
 
+// Of a relief `values` are heights at nodes over x and z, and counts[1] is 1. After them comes the greatest, in the same
+// memory: it may change between two units, as they do.
+static inline float greatest_height(const FieldGrid& relief) {
+  return relief.values[relief.counts[0] * relief.counts[2]];
+}
+
 // A collider at one instant, in world coordinates.
 struct ColliderFrame {
   sandglass_shape shape;
@@ -73,12 +79,15 @@ struct ColliderFrame {
   float axes[3][3];  // local x, y, z in the world
   float size[3];
   float extent[3];  // half the sides of a box along the world's axes that holds it; not of a half space or a field
+  // Metres, of a relief: how far above its surface the centre of what lies on it is. Raised by that, the surface is
+  // continuous for centres. The distance from the plane below them is not, and would throw what crosses a step.
+  float offset;
   float linear[3];  // velocity, m/s
   float angular[3];
   uint32_t slides;      // 0: the next two are none
   float slide[3];       // of the velocity what moves no face: a belt's
   float slide_turn[3];  // and of the angular one
-  FieldGrid field;      // of SANDGLASS_SHAPE_FIELD
+  FieldGrid field;      // of SANDGLASS_SHAPE_FIELD and SANDGLASS_SHAPE_RELIEF
 };
 
 // From shape, axes and size; a thousandth longer, for what is rounded away.
@@ -86,7 +95,7 @@ static inline void find_extent(ColliderFrame* frame) {
   for (int k = 0; k < 3; ++k) {
     float half = frame->size[0];
     if (frame->shape == SANDGLASS_SHAPE_CAPSULE) half += __builtin_fabsf(frame->axes[1][k]) * frame->size[1];
-    if (frame->shape == SANDGLASS_SHAPE_BOX) {
+    if (frame->shape == SANDGLASS_SHAPE_BOX || frame->shape == SANDGLASS_SHAPE_RELIEF) {
       half = 0.0f;
       for (int a = 0; a < 3; ++a) half += __builtin_fabsf(frame->axes[a][k]) * frame->size[a];
     }

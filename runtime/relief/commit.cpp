@@ -45,8 +45,7 @@ Around look_around(const ReliefState& relief, uint32_t i) {
 }
 
 void show(ReliefState* relief, uint32_t i, int32_t height) {
-  relief->cells.shown[i] = static_cast<int16_t>(height);
-  relief->heights[i] = static_cast<float>(height) * k_relief_unit;
+  relief_show(relief, i, static_cast<int16_t>(height));
   const uint32_t at[2] = {i % relief->desc.cells[0], i / relief->desc.cells[0]};
   ReliefBox* box = &relief->changing;
   for (int k = 0; k < 2; ++k) {
@@ -111,6 +110,16 @@ void commit_row(ReliefState* relief, uint32_t first, uint32_t count) {
 }
 
 }  // namespace
+
+void relief_end_change(ReliefState* relief) {
+  if (!relief->changes_now) return;
+  relief->changes_now = false;
+  ++relief->change;
+  int16_t highest = 0;
+  const uint32_t count = relief_cells(*relief);
+  for (uint32_t i = 0; i < count; ++i) highest = relief->cells.shown[i] > highest ? relief->cells.shown[i] : highest;
+  relief->heights[count] = static_cast<float>(highest) * k_relief_unit;
+}
 
 void relief_commit(ReliefState* relief, uint32_t first, uint32_t end) {
   relief_for_rows(first, end, relief->desc.cells[0], k_relief_unit_cells,

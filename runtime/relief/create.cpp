@@ -11,12 +11,21 @@
 
 namespace sandglass {
 
+void relief_show(ReliefState* relief, uint32_t i, int16_t height) {
+  if (relief->cells.shown[i] == height) return;
+  CellChange* change = &relief->changes[i];
+  if (change->last <= relief->change) *change = {relief->change + 1, change->last, relief->heights[i]};
+  relief->cells.shown[i] = height;
+  relief->heights[i] = static_cast<float>(height) * k_relief_unit;
+  relief->changes_now = true;
+}
+
 void relief_set_cell(ReliefState* relief, uint32_t i, int16_t height) {
   const ReliefCells& cells = relief->cells;
   for (uint32_t k = 0; k < k_relief_looks; ++k) cells.looks[k * cells.pitch + i] = INT16_MAX;
-  cells.median[i] = cells.shown[i] = height;
+  cells.median[i] = height;
   cells.seen[i] = cells.next[i] = cells.beyond[i] = cells.calm[i] = 0;
-  relief->heights[i] = static_cast<float>(height) * k_relief_unit;
+  relief_show(relief, i, height);
 }
 
 void relief_reset(ReliefState* relief) {
@@ -25,6 +34,7 @@ void relief_reset(ReliefState* relief) {
     relief_set_cell(relief, i, 0);
     relief->cells.now[i] = k_relief_none;
   }
+  relief_end_change(relief);
   relief->scale = 1;
   relief->scale_known = false;
   relief->last_ns = 0;
@@ -57,7 +67,8 @@ sandglass_relief* lay_out(const sandglass_relief_desc& desc, Layout* layout) {
   for (int16_t** array : heights) *array = layout_region<int16_t>(layout, "relief.cells", count);
   uint8_t** const counts[] = {&cells->seen, &cells->next, &cells->beyond, &cells->calm};
   for (uint8_t** array : counts) *array = layout_region<uint8_t>(layout, "relief.counts", count);
-  relief->heights = layout_region<float>(layout, "relief.heights", count);
+  relief->heights = layout_region<float>(layout, "relief.heights", count + 1);
+  relief->changes = layout_region<CellChange>(layout, "relief.changes", count);
   relief->samples = layout_region<uint16_t>(layout, "relief.samples", k_relief_samples);
   return handle;
 }
@@ -65,6 +76,8 @@ sandglass_relief* lay_out(const sandglass_relief_desc& desc, Layout* layout) {
 sandglass_status build(const sandglass_relief_desc& desc, sandglass_relief* handle, const char** reason) {
   handle->member.capability = &k_relief_capability;
   ReliefState* relief = &handle->relief;
+  relief->magic = k_relief_magic;
+  relief->change = 1;
   relief->desc = desc;
   relief->rotation[3] = 1;
   relief->per_metre = 1 / desc.cell;
@@ -169,6 +182,15 @@ sandglass_status sandglass_relief_set_image(sandglass_relief* relief, const sand
 
 void sandglass_relief_get_heights(const sandglass_relief* relief, sandglass_heights* heights) {
   if (relief != nullptr && heights != nullptr) fill_heights(relief->relief, heights);
+}
+
+void sandglass_relief_get_collider(const sandglass_relief* relief, sandglass_collider* collider) {
+  if (relief == nullptr || collider == nullptr) return;
+  *collider = {};
+  collider->shape = SANDGLASS_SHAPE_RELIEF;
+  __builtin_memcpy(collider->position, relief->relief.position, sizeof collider->position);
+  __builtin_memcpy(collider->rotation, relief->relief.rotation, sizeof collider->rotation);
+  collider->relief = relief;
 }
 
 uint64_t sandglass_relief_hash(const sandglass_relief* handle) {

@@ -11,6 +11,7 @@
 
 #include <cstdint>
 
+#include "kernels/kernels.h"
 #include "runtime/frame/capability.h"
 #include "sandglass/relief.h"
 
@@ -30,7 +31,8 @@ constexpr int16_t k_relief_none = -32768;
 // 0.5 m and -3 cm. What is higher hangs over the plane. What is lower is seen past the plane's edge, or was measured
 // badly, and says nothing of the cell: as holes such samples were wrong in 6 of 100.
 constexpr int16_t k_relief_highest = 2000, k_relief_lowest = -120;
-constexpr uint32_t k_relief_lanes = 8;  // cells whose looks are sorted together
+constexpr uint32_t k_relief_magic = 0x68726773;  // "sgrh"
+constexpr uint32_t k_relief_lanes = 8;           // cells whose looks are sorted together
 
 // A sample: depth in eighths of a millimetre, 0 where it is unknown, and whether it lies beside a step.
 constexpr float k_sample_unit = 0.000125f;
@@ -71,7 +73,14 @@ struct ReliefBox {
   uint32_t low[2], high[2];
 };
 
+// Which change was a cell's last one, which the one before, and its height between these, metres.
+struct CellChange {
+  uint32_t last, before;
+  float height_before;
+};
+
 struct ReliefState {
+  uint32_t magic;
   sandglass_relief_desc desc;
   float position[3];  // of the plane
   float rotation[4];
@@ -84,13 +93,34 @@ struct ReliefState {
   uint32_t cursor;
   ReliefView view;
   ReliefCells cells;
-  float* heights;
+  float* heights;     // and the greatest of them
   uint16_t* samples;  // k_relief_samples
+  // For what lies on it, whenever it looks: the last change, counted unit by unit, never 0; what is known of each cell's;
+  // and whether the one under way has changed something.
+  uint32_t change;
+  CellChange* changes;
+  bool changes_now;
 };
 
 inline uint32_t relief_cells(const ReliefState& r) { return r.desc.cells[0] * r.desc.cells[1]; }
 inline uint32_t relief_samples(const ReliefView& v) { return v.width * v.height; }
 
+// The heights as kernels see them, in the plane's frame.
+inline FieldGrid relief_grid(const ReliefState& r) {
+  FieldGrid grid = {r.heights, {r.desc.cells[0], 1, r.desc.cells[1]}, {}, r.desc.cell, r.per_metre, 1, 0};
+  for (int k = 0; k < 2; ++k) grid.low[2 * k] = r.desc.cell * (0.5f - r.middle[k]);
+  return grid;
+}
+
+// Half the sides of a box, in the plane's frame, that holds what may stand on it.
+inline float relief_reach(const ReliefState& r, int axis) {
+  const float across = 0.5f * r.desc.cell * static_cast<float>(r.desc.cells[axis / 2] + 1);
+  return axis == 1 ? k_relief_unit * k_relief_highest : across;
+}
+
+// Shows another height of a cell. relief_end_change ends what was changed at once.
+void relief_show(ReliefState* relief, uint32_t cell, int16_t height);
+void relief_end_change(ReliefState* relief);
 // Makes a cell one that nobody has looked at, of this height.
 void relief_set_cell(ReliefState* relief, uint32_t cell, int16_t height);
 void relief_reset(ReliefState* relief);

@@ -107,6 +107,7 @@ sandglass_status sandglass_relief_restore(sandglass_relief* handle, const void* 
     memcpy(&height, from + at, sizeof height);
     relief_set_cell(relief, cell, height);
   });
+  relief_end_change(relief);
   relief->changed = head.box;
   ++relief->version;
   return accept(reason);

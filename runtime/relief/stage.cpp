@@ -161,6 +161,7 @@ void relief_run_unit(ReliefState* relief) {
       return;
     case ReliefPhase::commit:
       relief_commit(relief, first, end);
+      relief_end_change(relief);
       if (!last) return;
       relief->phase = ReliefPhase::idle;
       if (relief->changing.high[0] == 0) return;

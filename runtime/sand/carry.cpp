@@ -370,7 +370,7 @@ void find_groups(Carry* c, const Granular& g) {
     }
     CarryGroup& group = c->groups[at];
     c->group_of[i] = static_cast<uint8_t>(at);
-    if (carrier.from.shape == SANDGLASS_SHAPE_HALF_SPACE) continue;
+    if (carrier.from.shape == SANDGLASS_SHAPE_HALF_SPACE || carrier.from.shape == SANDGLASS_SHAPE_RELIEF) continue;
     ++group.members;
     group.hollow = group.members > 1 || carrier.from.shape == SANDGLASS_SHAPE_FIELD;
     holding_join(&group.box, g.colliders.carriers[group.first].from, carrier.from);

@@ -2,6 +2,7 @@
 //
 // Rotations by angular velocity use the first-order quaternion step, renormalised. So there is no sine or cosine in a
 // hashed path. The error is angle^3 / 12: 7e-4 rad for a turn of 0.2 rad within one frame.
+#include "runtime/relief/relief.h"
 #include "runtime/sand/collider_placement.h"
 #include "runtime/solid/field/field.h"
 
@@ -37,8 +38,6 @@ bool visible(const Colliders& c, const ColliderWatch& watch, uint32_t slot) {
   return c.seen_by[slot] == SeenBy::all || (&watch == &c.for_grains && c.seen_by[slot] == SeenBy::grains);
 }
 
-uint64_t version_of(const sandglass_collider& c) { return c.shape == SANDGLASS_SHAPE_FIELD ? c.field->version : 0; }
-
 // Whether a slot is as it was seen, and stands still. A box may have changed where no sand is.
 bool same(const Granular& g, const ColliderWatch& watch, uint32_t slot) {
   constexpr float k_rounding = 1e-6f;  // metres
@@ -71,7 +70,7 @@ float half_travel(const Pose& a, const Pose& b) {
 // Where a collider was seen. Its field may be gone by now: a box of the field's reach stands for it.
 void pose_seen(const SeenCollider& seen, ColliderFrame* frame) {
   sandglass_collider c = {};
-  c.shape = seen.shape == SANDGLASS_SHAPE_FIELD ? SANDGLASS_SHAPE_BOX : seen.shape;
+  c.shape = is_grid(seen.shape) ? SANDGLASS_SHAPE_BOX : seen.shape;
   place(&c, {seen.pose, {0, 0, 0}, {0, 0, 0}});
   colliders_pose(&c, 1, 0.0f, frame);
 }
@@ -84,19 +83,39 @@ void remember(const Granular& g, ColliderWatch* watch) {
     watch->fields[slot] = 0;
     if (!visible(c, *watch, slot)) continue;
     watch->seen[slot] = {1, c.of_slot[slot].shape, pose_of(c.of_slot[slot])};
-    watch->fields[slot] = version_of(c.of_slot[slot]);
+    const bool relief = c.of_slot[slot].shape == SANDGLASS_SHAPE_RELIEF;
+    watch->fields[slot] = relief ? watch->looked_at[slot] : version_of(c.of_slot[slot]);
   }
+}
+
+void begin_look(const Colliders& c, uint32_t capacity, ColliderWatch* watch) {
+  for (uint32_t slot = 0; slot < capacity; ++slot)
+    if (c.seen_by[slot] != SeenBy::none && c.of_slot[slot].shape == SANDGLASS_SHAPE_RELIEF)
+      watch->looked_at[slot] = version_of(c.of_slot[slot]);
+}
+
+// Of a relief that is where it was seen: what has changed on it. False: it is another one, or was another one.
+bool find_changed(const ColliderWatch& watch, uint32_t slot, const sandglass_collider& now, MovedColliders* moved) {
+  const SeenCollider& seen = watch.seen[slot];
+  if (now.shape != SANDGLASS_SHAPE_RELIEF || seen.shape != now.shape || !(watch.fields[slot] <= version_of(now)))
+    return false;
+  ChangedRelief& changed = moved->reliefs[moved->relief_count++];
+  colliders_pose(&now, 1, 0.0f, &changed.at);
+  changed.changes = changes_of(now);
+  changed.seen = static_cast<uint32_t>(watch.fields[slot]);
+  return same_pose(pose_of(now), seen.pose);
 }
 
 // Fills watch->moved. margin: metres around a collider that count as near.
 void find_moved(const Granular& g, ColliderWatch* watch, float margin) {
   const Colliders& c = g.colliders;
   MovedColliders& moved = watch->moved;
-  moved.count = 0;
+  moved.count = moved.relief_count = 0;
   for (uint32_t slot = 0; !c.waits && slot < g.desc.collider_capacity; ++slot) {
     if (same(g, *watch, slot)) continue;
     const SeenCollider& seen = watch->seen[slot];
     const bool is = visible(c, *watch, slot), was = seen.present != 0;
+    if (is && was && find_changed(*watch, slot, c.of_slot[slot], &moved)) continue;
     const float reach = margin + (is && was ? half_travel(seen.pose, pose_of(c.of_slot[slot])) : 0.0f);
     if (is) {
       colliders_pose(&c.of_slot[slot], 1, 0.0f, &moved.frames[moved.count]);
@@ -109,17 +128,10 @@ void find_moved(const Granular& g, ColliderWatch* watch, float margin) {
   }
 }
 
-bool same_grid(const FieldGrid& a, const FieldGrid& b) {
-  bool same = a.values == b.values;
-  for (int k = 0; k < 3; ++k) same = same && a.counts[k] == b.counts[k];
-  return same;
-}
-
 void drop_gone_fields(const Colliders& c, ColliderFrame* frames, uint32_t count) {
   for (uint32_t i = 0; i < count; ++i) {
-    bool there = frames[i].shape != SANDGLASS_SHAPE_FIELD;
-    for (uint32_t k = 0; k < c.count && !there; ++k)
-      there = c.given[k].shape == SANDGLASS_SHAPE_FIELD && same_grid(frames[i].field, grid_of(c.given[k].field));
+    bool there = !is_grid(frames[i].shape);
+    for (uint32_t k = 0; k < c.count && !there; ++k) there = has_grid(frames[i], c.given[k]);
     if (there) continue;
     sandglass_collider nothing = {};
     nothing.shape = SANDGLASS_SHAPE_SPHERE;
@@ -129,7 +141,36 @@ void drop_gone_fields(const Colliders& c, ColliderFrame* frames, uint32_t count)
   }
 }
 
+void drop_gone_reliefs(const Colliders& c, MovedColliders* moved) {
+  const uint32_t count = moved->relief_count;
+  moved->relief_count = 0;
+  for (uint32_t i = 0; i < count; ++i) {
+    bool there = false;
+    for (uint32_t k = 0; k < c.count && !there; ++k) there = has_grid(moved->reliefs[i].at, c.given[k]);
+    if (there) moved->reliefs[moved->relief_count++] = moved->reliefs[i];
+  }
+}
+
 }  // namespace
+
+FieldGrid grid_of(const sandglass_collider& c) {
+  return c.shape == SANDGLASS_SHAPE_RELIEF ? relief_grid(c.relief->relief) : grid_of(c.field);
+}
+
+uint64_t version_of(const sandglass_collider& c) {
+  if (c.shape == SANDGLASS_SHAPE_RELIEF) return c.relief->relief.change;
+  return c.shape == SANDGLASS_SHAPE_FIELD ? c.field->version : 0;
+}
+
+const CellChange* changes_of(const sandglass_collider& c) { return c.relief->relief.changes; }
+
+bool has_grid(const ColliderFrame& frame, const sandglass_collider& collider) {
+  if (!is_grid(frame.shape) || collider.shape != frame.shape) return false;
+  const FieldGrid grid = grid_of(collider);
+  bool same = frame.field.values == grid.values;
+  for (int k = 0; k < 3; ++k) same = same && frame.field.counts[k] == grid.counts[k];
+  return same;
+}
 
 Pose pose_before(const Placement& at, const float slide[6], float before) {
   const float *q = at.pose.rotation, h = -0.5f * before;
@@ -170,6 +211,7 @@ void colliders_drop_gone_fields(Colliders* c) {
   drop_gone_fields(*c, c->sweep_frames, c->sweep_count);
   drop_gone_fields(*c, c->sweep_step_frames, c->sweep_step_frame_count);
   drop_gone_fields(*c, c->for_grains.moved.frames, c->for_grains.moved.count);
+  if (c->reliefs) drop_gone_reliefs(*c, &c->for_grains.moved);
 }
 
 void colliders_layout(Colliders* c, const sandglass_granular_desc& d, Layout* layout) {
@@ -199,6 +241,10 @@ void colliders_layout(Colliders* c, const sandglass_granular_desc& d, Layout* la
         layout_region<SeenCollider>(layout, grains ? "granular.grains_saw" : "granular.particles_saw", capacity);
     watch->fields = layout_region<uint64_t>(
         layout, grains ? "granular.grains_saw_fields" : "granular.particles_saw_fields", capacity);
+    watch->looked_at =
+        layout_region<uint64_t>(layout, grains ? "granular.grains_look_at" : "granular.particles_look_at", capacity);
+    watch->moved.reliefs =
+        layout_region<ChangedRelief>(layout, grains ? "granular.sweep_changed" : "granular.changed_reliefs", capacity);
     watch->moved.frames = layout_region<ColliderFrame>(
         layout, grains ? "granular.sweep_moved" : "granular.moved_colliders", 2 * capacity);
     watch->moved.margins =
@@ -208,25 +254,26 @@ void colliders_layout(Colliders* c, const sandglass_granular_desc& d, Layout* la
 
 void colliders_reset(Colliders* c, const sandglass_granular_desc& d) {
   c->count = c->solid_count = c->substep_count = c->sweep_count = c->sweep_step_frame_count = 0;
-  c->waits = c->arrived = c->jumped = false;
+  c->waits = c->arrived = c->jumped = c->reliefs = false;
   ColliderWatch* const watches[] = {&c->for_particles, &c->for_grains};
   for (uint32_t slot = 0; slot < d.collider_capacity; ++slot) {
     c->known[slot] = {};
     c->seen_by[slot] = SeenBy::none;
     for (ColliderWatch* watch : watches) {
       watch->seen[slot] = {};
-      watch->fields[slot] = 0;
-      watch->moved.count = 0;
+      watch->fields[slot] = watch->looked_at[slot] = 0;
+      watch->moved.count = watch->moved.relief_count = 0;
     }
   }
 }
 
 bool colliders_find_moved(Colliders* c, const Granular& g) {
   ColliderWatch& watch = c->for_particles;
-  watch.moved.count = 0;
+  watch.moved.count = watch.moved.relief_count = 0;
   if (c->waits) return false;
+  if (c->reliefs && g.substep.phase != SubstepPhase::touch) begin_look(*c, g.desc.collider_capacity, &watch);
   if (g.sleep.awake_count < g.particles.count) find_moved(g, &watch, neighbours_reach(g));
-  const bool touch = watch.moved.count != 0;
+  const bool touch = !watch.moved.none();
   if (!touch) remember(g, &watch);
   return touch;
 }
@@ -234,13 +281,17 @@ bool colliders_find_moved(Colliders* c, const Granular& g) {
 void colliders_seen_by_particles(Colliders* c, const Granular& g) { remember(g, &c->for_particles); }
 
 void colliders_find_moved_for_grains(Colliders* c, const Granular& g) {
+  if (c->reliefs) begin_look(*c, g.desc.collider_capacity, &c->for_grains);
   find_moved(g, &c->for_grains, g.desc.grain_radius);
   if (!c->waits) remember(g, &c->for_grains);
 }
 
-void colliders_begin_substep(Colliders* c, float before) {
+void colliders_begin_substep(Colliders* c, float before, float particle_radius) {
   colliders_pose(c->given, c->solid_count, before, c->substep_frames, c->slides);
-  for (uint32_t i = 0; i < c->solid_count; ++i) c->substep_slots[i] = c->slots[i];
+  for (uint32_t i = 0; i < c->solid_count; ++i) {
+    c->substep_slots[i] = c->slots[i];
+    c->substep_frames[i].offset = particle_radius;
+  }
   c->substep_count = c->solid_count;
 }
 
@@ -266,8 +317,9 @@ ColliderFrame collider_between(const RigidPose& from, const ColliderFrame& to, f
   return f;
 }
 
-void colliders_begin_sweep(Colliders* c, float before, const RigidPose* from, uint32_t steps) {
+void colliders_begin_sweep(Colliders* c, float before, float grain_radius, const RigidPose* from, uint32_t steps) {
   colliders_pose(c->given, c->count, before, c->sweep_frames, c->slides);
+  for (uint32_t i = 0; i < c->count; ++i) c->sweep_frames[i].offset = grain_radius;
   c->sweep_count = c->count;
   c->sweep_step_frame_count = from == nullptr ? 0 : (steps - 1) * c->count;
   for (uint32_t i = 0; i < c->sweep_step_frame_count; ++i) {
@@ -304,7 +356,7 @@ bool colliders_may_hold(const Granular& g) {
     const sandglass_collider& it = g.colliders.given[i];
     bool moves = false;
     for (int k = 0; k < 3; ++k) moves = moves || it.linear_velocity[k] != 0.0f || it.angular_velocity[k] != 0.0f;
-    if (moves) movers += it.shape == SANDGLASS_SHAPE_FIELD ? 2 : 1;
+    if (moves && it.shape != SANDGLASS_SHAPE_RELIEF) movers += it.shape == SANDGLASS_SHAPE_FIELD ? 2 : 1;
   }
   return movers > 1;
 }
@@ -444,7 +496,7 @@ bool collider_held(const Granular& g, uint32_t index, sandglass_collider* held) 
 }
 
 bool collider_accept(const sandglass_collider& collider, sandglass_collider* accepted) {
-  if (collider.shape < SANDGLASS_SHAPE_HALF_SPACE || collider.shape > SANDGLASS_SHAPE_FIELD) return false;
+  if (collider.shape < SANDGLASS_SHAPE_HALF_SPACE || collider.shape > SANDGLASS_SHAPE_RELIEF) return false;
   for (int k = 0; k < 3; ++k) {  // these refuse what is no number, too, as does normalise
     if (!(__builtin_fabsf(collider.position[k]) <= k_coordinate_bound &&
           __builtin_fabsf(collider.linear_velocity[k]) <= k_collider_speed &&
@@ -454,7 +506,9 @@ bool collider_accept(const sandglass_collider& collider, sandglass_collider* acc
   }
   const bool field = collider.shape == SANDGLASS_SHAPE_FIELD;
   if (field && (collider.field == nullptr || collider.field->magic != k_field_magic)) return false;
-  const uint32_t sizes = field                                       ? 0
+  const bool relief = collider.shape == SANDGLASS_SHAPE_RELIEF;
+  if (relief && (collider.relief == nullptr || collider.relief->relief.magic != k_relief_magic)) return false;
+  const uint32_t sizes = is_grid(collider.shape)                     ? 0
                          : collider.shape == SANDGLASS_SHAPE_BOX     ? 3
                          : collider.shape == SANDGLASS_SHAPE_CAPSULE ? 2
                                                                      : collider.shape;
@@ -468,6 +522,7 @@ bool collider_accept(const sandglass_collider& collider, sandglass_collider* acc
     sandglass_field_bounds(collider.field, low, high);
     for (int k = 0; k < 3; ++k) accepted->size[k] = high[k] > -low[k] ? high[k] : -low[k];
   }
+  for (int k = 0; relief && k < 3; ++k) accepted->size[k] = relief_reach(collider.relief->relief, k);
   return normalise(accepted->rotation);
 }
 
@@ -478,7 +533,8 @@ void colliders_pose(const sandglass_collider* colliders, uint32_t count, float b
     const sandglass_collider& collider = colliders[c];
     ColliderFrame& frame = frames[c];
     frame.shape = collider.shape;
-    if (collider.shape == SANDGLASS_SHAPE_FIELD) frame.field = grid_of(collider.field);
+    frame.offset = 0.0f;
+    if (is_grid(collider.shape)) frame.field = grid_of(collider);
     const float* slide = slides != nullptr ? slides[c] : k_none;
     const Pose pose = pose_before(placement_of(collider), slide, before);
     const float* r = pose.rotation;

@@ -25,7 +25,8 @@ float depth_of(const Granular& g, const Bounds& b) {
 float reach_along(const ColliderFrame& c, const float direction[3]) {
   float along[3];
   for (int a = 0; a < 3; ++a) along[a] = __builtin_fabsf(dot(c.axes[a], direction));
-  if (c.shape == SANDGLASS_SHAPE_BOX) return along[0] * c.size[0] + along[1] * c.size[1] + along[2] * c.size[2];
+  if (c.shape == SANDGLASS_SHAPE_BOX || c.shape == SANDGLASS_SHAPE_RELIEF)
+    return along[0] * c.size[0] + along[1] * c.size[1] + along[2] * c.size[2];
   if (c.shape == SANDGLASS_SHAPE_CAPSULE) return c.size[0] + along[1] * c.size[1];
   if (c.shape != SANDGLASS_SHAPE_FIELD) return c.size[0];
   float reach = 0.0f;  // of the farthest corner of the grid

@@ -121,7 +121,9 @@ bool wake_grains(const Granular& g, uint32_t group) {
   uint32_t woken = 0;
   g.kernels->wake_near(&args, 0, args.sleeper_count, &woken);
   for (uint32_t l = 0; l < args.sleeper_count; ++l) {
-    if (is_awake(points[l])) grains[l].still_sweeps = 0.0f;
+    const bool changed = reliefs_wake(g.colliders.for_grains.moved, points[l].position, g.desc.grain_radius);
+    woken += changed ? 1u : 0u;
+    if (changed || is_awake(points[l])) grains[l].still_sweeps = 0.0f;
   }
   return woken != 0;
 }
@@ -214,6 +216,11 @@ bool grain_sleep_run_triage(GrainSleep* s, const Granular& g, uint32_t* cursor) 
                            g.colliders.for_grains.moved.count};
     uint32_t woken = 0;
     g.kernels->wake_near(&args, begin / k_lane_group * k_lane_group, end, &woken);
+  }
+  for (uint32_t group = begin; g.colliders.for_grains.moved.relief_count != 0 && group < end; ++group) {
+    Sleeper* tile = &s->tiles[group];
+    if (is_awake(*tile) || !reliefs_changed(g.colliders.for_grains.moved, tile->position, tile->radius)) continue;
+    tile->mobility = -tile->mobility;
   }
   for (uint32_t group = begin; group < end; ++group) {
     const Sleeper& tile = s->tiles[group];

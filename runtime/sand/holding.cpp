@@ -90,7 +90,7 @@ float capsule_below(const ColliderFrame& c, const HeldLanes& lanes, uint32_t l, 
   return k_far;
 }
 
-// From where rays entered the grid of a field on to its surface. A step that goes beyond the surface is halved.
+// From where rays entered the grid of a field or relief on to its surface. A step that goes beyond the surface is halved.
 void trace_field(const Granular& g, const ColliderFrame& c, const HeldLanes& lanes, const float down[3],
                  float below[k_lane_group]) {
   const float r = g.desc.particle_radius;
@@ -141,6 +141,10 @@ void find_below(const Granular& g, const ColliderFrame& c, const HeldLanes& lane
     float high[3];
     for (int a = 0; a < 3; ++a) high[a] = c.field.low[a] + c.field.spacing * static_cast<float>(c.field.counts[a] - 1);
     enter_box(g, lanes.count, direction, c.field.low, high, below);
+    trace_field(g, c, lanes, down, below);
+  } else if (c.shape == SANDGLASS_SHAPE_RELIEF) {
+    const float low[3] = {-c.size[0], -c.size[1], -c.size[2]};
+    enter_box(g, lanes.count, direction, low, c.size, below);
     trace_field(g, c, lanes, down, below);
   } else if (c.shape == SANDGLASS_SHAPE_SPHERE) {
     enter_ball(c, lanes, down, below);

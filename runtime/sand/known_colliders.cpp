@@ -253,6 +253,7 @@ void hold_slot(Colliders* colliders, const Granular& g, uint32_t slot, const san
   c.of_slot[slot] = now;
   place(&c.of_slot[slot], met);
   c.seen_by[slot] = now.grains_only != 0 ? SeenBy::grains : SeenBy::all;
+  c.reliefs = c.reliefs || now.shape == SANDGLASS_SHAPE_RELIEF;
 }
 
 // A collider that had lost its id, and has it again: what was known without one about there is not another that jumps.

@@ -218,7 +218,7 @@ bool sound_pose(const Pose& p, sandglass_shape shape) {
 }
 
 bool sound_shape(sandglass_shape shape) {
-  return shape >= SANDGLASS_SHAPE_HALF_SPACE && shape <= SANDGLASS_SHAPE_FIELD;
+  return shape >= SANDGLASS_SHAPE_HALF_SPACE && shape <= SANDGLASS_SHAPE_RELIEF;
 }
 
 bool sound_known(const KnownCollider& known) {

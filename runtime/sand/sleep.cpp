@@ -315,6 +315,12 @@ bool sleep_run_touch(Sleep* sleep, const Granular& g, uint32_t* cursor) {
   const WakeArgs args = {as_sleepers(g.particles.records[0]), count, moved.frames, moved.margins, moved.count};
   uint32_t woken = 0;
   g.kernels->wake_near(&args, *cursor, end, &woken);
+  for (uint32_t i = *cursor; moved.relief_count != 0 && i < end; ++i) {
+    Particle* p = particle_at(g, i);
+    if (!is_asleep(*p) || !reliefs_wake(moved, p->position, g.desc.particle_radius)) continue;
+    wake(p);
+    ++woken;
+  }
   for (uint32_t i = *cursor; woken != 0 && i < end; ++i) {
     const Particle& p = *particle_at(g, i);
     if (is_awake(p) && sleep->anchors[number_of(p)].quiet == k_asleep) begin_waking(sleep, g, i);

@@ -160,7 +160,8 @@ void begin(Granular* g, uint32_t level) {
   contacts_begin(&g->contacts, level_iterations(k_ladder[level], g->desc.reference.solver_iterations));
   // Seconds between the end of this sub-step and the end of the frame, where the colliders' poses are given.
   const double before_end = g->time.debt - static_cast<double>(s.length);
-  colliders_begin_substep(&g->colliders, before_end > 0.0 ? static_cast<float>(before_end) : 0.0f);
+  colliders_begin_substep(&g->colliders, before_end > 0.0 ? static_cast<float>(before_end) : 0.0f,
+                          g->desc.particle_radius);
   s.level = level;
   if (flow_is_due(*g)) {
     granular_pour(g);

@@ -83,7 +83,8 @@ void begin(Granular* g, uint32_t level) {
   motion_begin(&g->motion, *g);
   const double late = t.grain_lag > t.asked ? t.grain_lag : t.asked;
   g->sweep.late = g->sweep.late || late > k_on_time * static_cast<double>(t.frame_step);
-  colliders_begin_sweep(&g->colliders, colliders_behind(*g), g->sweep.late ? g->grain_carry.carried : nullptr, steps);
+  colliders_begin_sweep(&g->colliders, colliders_behind(*g), g->desc.grain_radius,
+                        g->sweep.late ? g->grain_carry.carried : nullptr, steps);
   grain_carry_begin_sweep(&g->grain_carry, *g);
 }
 

@@ -60,17 +60,30 @@ struct SeenCollider {
 
 enum class SeenBy : uint8_t { none, grains, all };
 
-// Colliders that moved, appeared or went away: where they were and where they are.
+struct CellChange;
+// A relief whose heights have changed since `seen`, its last change then.
+struct ChangedRelief {
+  ColliderFrame at;
+  const CellChange* changes;
+  uint32_t seen;
+};
+
+// Colliders that moved, appeared or went away: where they were and where they are. And reliefs with other heights.
 struct MovedColliders {
   ColliderFrame* frames;
   float* margins;  // metres around each, within which sleepers wake
   uint32_t count;
+  ChangedRelief* reliefs;
+  uint32_t relief_count;
+  bool none() const { return count == 0 && relief_count == 0; }
 };
 
 // The colliders as sleepers last saw them, by slot, and what has changed since.
 struct ColliderWatch {
   SeenCollider* seen;
   uint64_t* fields;  // versions, to compare; 0: not known, because the scene was restored
+  // Of reliefs, as the look for sleepers began that is under way: what changes meanwhile has not been seen.
+  uint64_t* looked_at;
   MovedColliders moved;
 };
 
@@ -123,6 +136,8 @@ struct Colliders {
   ColliderWatch for_particles, for_grains;
   // After saving or restoring, until a collider is passed.
   bool waits;
+  // A relief has been passed since the scene was created or reset: else nobody looks for changed ones.
+  bool reliefs;
 };
 constexpr uint32_t k_no_slot = ~0u;
 constexpr uint8_t k_is_new = 2;  // another collider had the slot, or nobody knows where this one was
@@ -149,10 +164,11 @@ void colliders_seen_by_particles(Colliders* colliders, const Granular& granular)
 // The same for the grains, which see them at once.
 void colliders_find_moved_for_grains(Colliders* colliders, const Granular& granular);
 // Poses them as they are `before` seconds before the end of the frame.
-void colliders_begin_substep(Colliders* colliders, float before);
+void colliders_begin_substep(Colliders* colliders, float before, float particle_radius);
 // `from`: where they were when the sweep before ended, by slot. Null: grains meet them where this sweep ends, in all
 // steps.
-void colliders_begin_sweep(Colliders* colliders, float before, const RigidPose* from, uint32_t steps);
+void colliders_begin_sweep(Colliders* colliders, float before, float grain_radius, const RigidPose* from,
+                           uint32_t steps);
 // A pose between two.
 ColliderFrame collider_between(const RigidPose& from, const ColliderFrame& to, float share);
 RigidPose rigid_pose(const ColliderFrame& frame);
@@ -180,6 +196,20 @@ void colliders_carry_substep(Colliders* colliders, float faster);
 // After saving or restoring, and when the scene was moved by rotation * p + shift.
 void colliders_settle(Colliders* colliders, const Granular& granular);
 void colliders_move(Colliders* colliders, const Granular& granular, const SceneMove& move);
+
+// Whether a height has changed that counts within so many metres of a place, along the plane.
+bool reliefs_changed(const MovedColliders& moved, const float at[3], float within);
+// Whether a ball of this radius touches, or touched, what has changed.
+bool reliefs_wake(const MovedColliders& moved, const float at[3], float radius);
+
+// Of a collider that is a grid of the app's: that grid, and which state of it. 0: it is none.
+FieldGrid grid_of(const sandglass_collider& collider);
+uint64_t version_of(const sandglass_collider& collider);
+inline bool is_grid(sandglass_shape shape) { return shape == SANDGLASS_SHAPE_FIELD || shape == SANDGLASS_SHAPE_RELIEF; }
+// Of a relief: what is known of its cells' changes.
+const CellChange* changes_of(const sandglass_collider& relief);
+// Whether it is posed from one of these.
+bool has_grid(const ColliderFrame& frame, const sandglass_collider& collider);
 
 // Whether a collider has moved, appeared or gone away since sleepers saw it.
 bool watch_changed(const Granular& granular, const ColliderWatch& watch);

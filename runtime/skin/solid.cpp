@@ -14,6 +14,7 @@ namespace {
 
 constexpr float k_solid_node = 48.0f, k_solid_reach = 2.6f;                // of BrickNodes::solid: a node; nodes
 constexpr float k_half_row = 0.5f * static_cast<float>(k_brick_side - 1);  // nodes from a brick's middle to its faces
+constexpr float k_middle[3] = {k_half_row, k_half_row, k_half_row};
 
 bool stands_as(const ColliderFrame& a, const ColliderFrame& b) {
   bool same = a.shape == b.shape && a.field.values == b.field.values;
@@ -24,10 +25,10 @@ bool stands_as(const ColliderFrame& a, const ColliderFrame& b) {
   return same;
 }
 
-// A box of its extent stands for a field that the app may have freed.
+// A box of its extent stands for a grid that the app may have freed.
 ColliderFrame box_of(const ColliderFrame& collider) {
   ColliderFrame box = collider;
-  if (box.shape == SANDGLASS_SHAPE_FIELD) {
+  if (is_grid(box.shape)) {
     box.shape = SANDGLASS_SHAPE_BOX;
     find_extent(&box);
   }
@@ -49,10 +50,16 @@ void find_distances(const SkinState& s, SurfacePoint* points, uint32_t count, co
 
 // Whether a collider is so near to a brick that its nodes may feel it. The first of `points` tells how near.
 bool is_near(const SkinState& s, SurfacePoint* points, const Brick& brick, const ColliderFrame& collider) {
-  constexpr float k_middle[3] = {k_half_row, k_half_row, k_half_row}, k_half = 6.1f;  // to the outermost node
+  constexpr float k_half = 6.1f;  // to the outermost node
+  const float reach = (k_half + k_solid_reach + 0.5f) * s.lattice.spacing;
   place_of(s.lattice, brick, k_middle, points[0].position);
+  if (collider.shape == SANDGLASS_SHAPE_RELIEF) {  // its distances are those from planes
+    float above = -greatest_height(collider.field);
+    for (uint32_t k = 0; k < 3; ++k) above += (points[0].position[k] - collider.position[k]) * collider.axes[1][k];
+    return above < reach;
+  }
   find_distances(s, points, 1, collider);
-  return points[0].distance < (k_half + k_solid_reach + 0.5f) * s.lattice.spacing;
+  return points[0].distance < reach;
 }
 
 // Whether sand of a brick feels a collider: it changes what is made of a node beside sand. First rows of nodes are
@@ -75,8 +82,9 @@ bool feels(const SkinState& s, SurfacePoint* points, uint32_t number, const Coll
       look_at(k_half_row, row);
     }
   find_distances(s, points, count, collider);
+  const bool rough = collider.shape == SANDGLASS_SHAPE_RELIEF;
   for (uint32_t i = 0; i < count; ++i)
-    if (is_felt(i, k_felt + k_half_row)) rows[near++] = rows[i];
+    if (rough || is_felt(i, k_felt + k_half_row)) rows[near++] = rows[i];
   count = 0;
   for (uint32_t i = 0; i < near; ++i)
     for (uint32_t bits = beside[rows[i]]; bits != 0; bits &= bits - 1)
@@ -87,15 +95,29 @@ bool feels(const SkinState& s, SurfacePoint* points, uint32_t number, const Coll
   return false;
 }
 
-void mark_near(SkinBricks* bricks, const SkinState& s, const ColliderFrame& collider, bool* asked) {
+// `changed`: null, or what has changed of this one, a relief. Where it fell, what is near now does not count.
+void mark_near(SkinBricks* bricks, const SkinState& s, const ColliderFrame& collider, bool* asked,
+               const MovedColliders* changed = nullptr) {
+  constexpr float k_around = 13.3f;  // nodes from a brick's middle to its corners, and as far as they feel
   const SkinPhase phase = s.progress.phase;
   for (uint32_t b = 0; b < bricks->count && collider.shape != k_no_shape; ++b) {
     Brick& brick = bricks->records[b];
-    if (!brick.used || !is_near(s, s.solids.points, brick, collider)) continue;
+    float middle[3];
+    if (changed != nullptr) place_of(s.lattice, brick, k_middle, middle);
+    if (changed != nullptr && !reliefs_changed(*changed, middle, k_around * s.lattice.spacing)) continue;
+    if (!brick.used || (changed == nullptr && !is_near(s, s.solids.points, brick, collider))) continue;
     brick.stale |= k_stale_solid;
     if (phase != SkinPhase::take && !*asked)
       *asked = phase != SkinPhase::idle || feels(s, s.solids.points, b, collider);
   }
+}
+
+// A relief that stands where it stood, with other heights than at its change `seen`.
+void mark_changed(SkinBricks* bricks, const SkinState& s, const sandglass_collider& relief, const ColliderFrame& now,
+                  uint32_t seen, bool* asked) {
+  ChangedRelief one = {now, changes_of(relief), seen};
+  const MovedColliders changed = {nullptr, nullptr, 0, &one, 1};
+  mark_near(bricks, s, now, asked, &changed);
 }
 
 // Whether a solid lies between two nodes: its distance falls from either towards the other, and would be below 0 where
@@ -131,8 +153,8 @@ void find_solid(SkinBricks* bricks, const SkinState& s, uint32_t number) {
   for (uint32_t c = 0; c < s.desc.collider_capacity; ++c) {
     const ColliderFrame& collider = s.solids.colliders[c];
     if (collider.shape == k_no_shape || !is_near(s, s.solids.points, brick, collider)) continue;
-    const bool walls_too =
-        collider.shape != SANDGLASS_SHAPE_HALF_SPACE && points[0].distance < k_walls_within * l.spacing;
+    const bool walls_too = collider.shape != SANDGLASS_SHAPE_HALF_SPACE && collider.shape != SANDGLASS_SHAPE_RELIEF &&
+                           points[0].distance < k_walls_within * l.spacing;
     const uint32_t side = walls_too ? k_edges_side : k_brick_side, steps[3] = {1, side * side, side};
     look_at_nodes(s, brick, side, collider);
     for (uint32_t i = 0; i < k_brick_nodes; ++i) {
@@ -167,14 +189,18 @@ void solids_take(SkinSolids* solids, SkinBricks* bricks, const SkinState& s, flo
     if (i < given.count) {
       const sandglass_collider& collider = given.given[i];
       colliders_pose(&collider, 1, before, &now);
-      if (collider.shape == SANDGLASS_SHAPE_FIELD) version = collider.field->version;
+      version = version_of(collider);
       memcpy(now.extent, box_of(now).extent, sizeof now.extent);
     }
-    const bool same = version == solids->fields[slot] && stands_as(now, was);
-    if (!same) mark_near(bricks, s, box_of(was), asked);
+    const bool stands = stands_as(now, was), same = stands && version == solids->fields[slot];
+    if (stands && now.shape == SANDGLASS_SHAPE_RELIEF && version > solids->fields[slot]) {
+      mark_changed(bricks, s, given.given[i], now, static_cast<uint32_t>(solids->fields[slot]), asked);
+    } else if (!same) {
+      mark_near(bricks, s, box_of(was), asked);
+      mark_near(bricks, s, now, asked);
+    }
     was = now;
     solids->fields[slot] = version;
-    if (!same) mark_near(bricks, s, now, asked);
     bool moves = false;
     for (uint32_t k = 0; k < 3; ++k) moves = moves || now.linear[k] != 0 || now.angular[k] != 0;
     if (moves) solids->movers[solids->mover_count++] = slot;
@@ -185,10 +211,10 @@ void solids_drop_gone_fields(SkinSolids* solids, SkinBricks* bricks, const SkinS
   const Colliders& given = s.granular->colliders;
   for (uint32_t slot = 0; slot < s.desc.collider_capacity; ++slot) {
     ColliderFrame& was = solids->colliders[slot];
-    bool there = was.shape != SANDGLASS_SHAPE_FIELD;
+    bool there = !is_grid(was.shape);
     for (uint32_t i = 0; i < given.count && !there; ++i)
-      there = given.given[i].shape == SANDGLASS_SHAPE_FIELD && given.given[i].field->version == solids->fields[slot] &&
-              grid_of(given.given[i].field).values == was.field.values;
+      there = has_grid(was, given.given[i]) &&
+              (was.shape == SANDGLASS_SHAPE_RELIEF || version_of(given.given[i]) == solids->fields[slot]);
     if (there) continue;
     mark_near(bricks, s, box_of(was), asked);
     was.shape = k_no_shape;

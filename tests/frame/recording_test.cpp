@@ -36,7 +36,8 @@ Recording small_recording() {
                   {4, 5, 6},
                   0,
                   nullptr,
-                  7 + f};
+                  7 + f,
+                  nullptr};
       collider.position[0] =
           std::numeric_limits<float>::quiet_NaN();  // an app may have passed it, so a replay must too
     }

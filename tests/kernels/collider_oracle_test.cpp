@@ -1,4 +1,5 @@
-// The oracles of the kernels that ask where colliders are: who wakes near one, who is inside, the surface of a field.
+// The oracles of the kernels that ask where colliders are: who wakes near one, who is inside, the surface of a field and
+// of a relief.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -89,10 +90,8 @@ double trilinear(const FieldGrid& grid, Vector p, Vector* gradient) {
   return value;
 }
 
-}  // namespace
-
-void check_surface_at(uint32_t n) {
-  // A field of waves that is turned by a quarter about z. Local x is world y, and local y is world -x.
+// A field of waves that is turned by a quarter about z. Local x is world y, and local y is world -x.
+void check_field(uint32_t n) {
   std::vector<float> values(7 * 6 * 5);
   for (size_t i = 0; i < values.size(); ++i) values[i] = 0.01f * std::sin(0.7f * static_cast<float>(i));
   ColliderFrame frame = {};
@@ -132,6 +131,86 @@ void check_surface_at(uint32_t n) {
       ASSERT_TRUE(same(found));
     });
   }
+}
+
+// A node of a relief: the outermost one where the place is beyond.
+double height_of_node(const FieldGrid& grid, int x, int z) {
+  const int i = std::clamp(x, 0, static_cast<int>(grid.counts[0]) - 1),
+            j = std::clamp(z, 0, static_cast<int>(grid.counts[2]) - 1);
+  return static_cast<double>(grid.values[static_cast<size_t>(j) * grid.counts[0] + static_cast<size_t>(i)]);
+}
+
+// Its height, metres, at a place in nodes: between four of them; beyond the outer ones it falls to 5 cm below 0 over a
+// cell.
+double relief_height(const FieldGrid& grid, double x, double z) {
+  const double last[2] = {grid.counts[0] - 1.0, grid.counts[2] - 1.0};
+  const double a = std::clamp(x, 0.0, last[0]), b = std::clamp(z, 0.0, last[1]);
+  const int i = static_cast<int>(a), j = static_cast<int>(b);
+  const double u = a - i, v = b - j;
+  const double height = (1 - u) * ((1 - v) * height_of_node(grid, i, j) + v * height_of_node(grid, i, j + 1)) +
+                        u * ((1 - v) * height_of_node(grid, i + 1, j) + v * height_of_node(grid, i + 1, j + 1));
+  const double beyond = std::max(std::fabs(x - a), std::fabs(z - b));
+  return height - beyond * (height + 0.05);
+}
+
+// A relief whose local y is world -x, as that field. The slope is a difference of heights about the point.
+void check_relief(uint32_t n) {
+  std::vector<float> heights(9 * 6 + 1);
+  for (size_t i = 0; i < heights.size(); ++i) heights[i] = 0.02f * std::sin(0.9f * static_cast<float>(i));
+  ColliderFrame frame = upright(SANDGLASS_SHAPE_RELIEF, {0.01, 0, 0});
+  for (auto& axis : frame.axes)
+    for (float& x : axis) x = 0;
+  frame.axes[0][1] = frame.axes[2][2] = 1.0f;
+  frame.axes[1][0] = -1.0f;
+  frame.field = {heights.data(), {9, 1, 6}, {-0.04f, 0, -0.025f}, 0.01f, 100.0f, 1.0f, 0.0f};
+  for (const float offset : {0.0f, 0.007f}) {
+    frame.offset = offset;
+    Cluster cluster(n, 0, 0.12, 53);
+    uint32_t beyond = 0, falling = 0;
+    on_every_table([&](const Kernels& kernels, SameBits& same) {
+      std::vector<SurfacePoint> found(cluster.inert + k_slack);
+      std::memcpy(found.data(), cluster.records.data(), found.size() * sizeof(SurfacePoint));
+      const SurfaceArgs args = {found.data(), &frame};
+      run(kernels.surface_at, args, n);
+      for (uint32_t i = 0; i < n; ++i) {
+        const Vector world = at(cluster.records[i].position) - Vector{static_cast<double>(frame.position[0]), 0, 0};
+        const double x = (world.y + 0.04) / 0.01, z = (world.z + 0.025) / 0.01, y = -world.x;
+        const double out = std::max({-x, x - 8, -z, z - 5});
+        falling += out > 0 && out < 1;
+        beyond += out > 1;
+        if (out > 1 + 1e-5) {
+          ASSERT_GT(found[i].distance, 1000);
+        }
+        constexpr double k_small = 1e-4;  // cells: no edge of a cell is so near
+        const double edges[] = {x - std::round(x), z - std::round(z), std::max(-x, x - 8) - std::max(-z, z - 5)};
+        const bool smooth = std::all_of(edges, edges + 3, [](double e) { return std::fabs(e) > 2 * k_small; });
+        if (out > 1 - 1e-5 || !smooth) continue;
+        const double slope[2] = {
+            (relief_height(frame.field, x + k_small, z) - relief_height(frame.field, x - k_small, z)) /
+                (0.02 * k_small),
+            (relief_height(frame.field, x, z + k_small) - relief_height(frame.field, x, z - k_small)) /
+                (0.02 * k_small)};
+        const double cosine = 1 / std::sqrt(1 + slope[0] * slope[0] + slope[1] * slope[1]);
+        const auto raised = static_cast<double>(offset);
+        const double distance = (y - relief_height(frame.field, x, z) - raised) * cosine + raised;
+        ASSERT_NEAR(found[i].distance, distance, 2e-7) << "point " << i;
+        const Vector turned = {-cosine, -cosine * slope[0], -cosine * slope[1]};
+        ASSERT_LT(length(at(found[i].normal) - turned), 2e-4) << "point " << i;
+      }
+      found.resize(n);
+      ASSERT_TRUE(same(found));
+    });
+    if (n > 100) {
+      EXPECT_GT(std::min(beyond, falling), n / 50);
+    }
+  }
+}
+
+}  // namespace
+
+void check_surface_at(uint32_t n) {
+  check_field(n);
+  check_relief(n);
 }
 
 }  // namespace sandglass::tests

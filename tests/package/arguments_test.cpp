@@ -257,6 +257,8 @@ void Arguments::reliefs() {
   image.focal_x = image.focal_y = 3;
   row(NAMED(sandglass_relief_set_image), "taken", relief, &image, &taken);
   fills(NAMED(sandglass_relief_get_heights), relief);
+  sandglass_collider collider = {};
+  row(NAMED(sandglass_relief_get_collider), "", relief, &collider);
   row(NAMED(sandglass_relief_save_bytes), "", relief, 1u);
   const uint64_t saved_bytes = sandglass_relief_save_bytes(relief, 1);
   std::vector<uint8_t> saved(saved_bytes);

@@ -6,7 +6,7 @@
  *
  * An app
  *
- *     sandglass::Relief relief;                                     // once; half a megabyte
+ *     sandglass::Relief relief;                                     // once; 0.7 megabytes
  *     sandglass::Status status = relief.create();
  *
  *     status = relief.set_plane(anchor.position, anchor.rotation);  // whenever the tracker has moved the plane
@@ -17,6 +17,12 @@
  *     status = scene.frame(input, &report);
  *     const sandglass_heights heights = relief.heights();           // metres above the plane, row after row
  *     if (heights.version != shown) upload(heights), shown = heights.version;
+ *
+ * Sand, skins and bodies lie on it where the app passes its collider, beside the plane's own:
+ *
+ *     sandglass_collider colliders[2] = {sandglass::floor_at(0), sandglass::relief_collider(relief)};
+ *     colliders[0].id = 1, colliders[1].id = 2;
+ *     input.colliders = colliders, input.collider_count = 2;
  *
  * What it does. A pixel beside a step or a hole says nothing. The plane is found in each image as the nearest surface
  * to where it should be that has 12 % of the pixels and nothing below it, and all depths are scaled so that it lies at
@@ -38,6 +44,7 @@
 #define SANDGLASS_RELIEF_H
 
 #include "sandglass/camera.h"
+#include "sandglass/sand.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -159,6 +166,19 @@ typedef struct sandglass_heights {
 
 /* Fills *heights. Set heights->struct_size before. */
 SANDGLASS_API void sandglass_relief_get_heights(const sandglass_relief* relief, sandglass_heights* heights);
+
+/* Fills *collider with the relief as sand meets it: SANDGLASS_SHAPE_RELIEF at the pose of the plane, at rest. Pass it to
+ * each frame, with an id.
+ *
+ * Between the middles of four cells heights go over into each other (bilinear). All below them is solid, however deep.
+ * Beyond the map there is nothing, and sand falls past; half a cell beyond its outer cells the relief ends in a face.
+ * So pass the plane, too, as a half-space. A height may change at any time, by any amount: what lies over the cells
+ * around wakes, and nothing else. What is inside then comes out as gently as out of any collider (`Gentle`, sand.h):
+ * nothing is thrown. It holds nothing as a vessel does: the correction of a plane takes no sand along.
+ *
+ * As sink and as region, it is what lies below its heights. A saved scene has no heights: restore them before the first
+ * frame (sandglass_relief_restore), else what slept on them falls. */
+SANDGLASS_API void sandglass_relief_get_collider(const sandglass_relief* relief, sandglass_collider* collider);
 
 /* The bytes that sandglass_relief_save writes: of all heights (whole 1), or of those that the last version has changed (0). */
 SANDGLASS_API uint64_t sandglass_relief_save_bytes(const sandglass_relief* relief, uint32_t whole);

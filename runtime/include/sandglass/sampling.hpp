@@ -8,6 +8,7 @@
 #include "sandglass/field.h"
 #include "sandglass/owned.hpp"
 #include "sandglass/sampling.h"
+#include "sandglass/sand.h"
 
 namespace sandglass {
 inline namespace cpp {
@@ -134,6 +135,17 @@ class Field : public Owned<sandglass_field> {
     return desc;
   }
 };
+
+// A collider of a field whose own coordinates begin at (x, y, z), unrotated and at rest. The field must outlive it.
+inline sandglass_collider field_at(const Field& field, float x, float y, float z) {
+  sandglass_collider c = filled(sandglass_collider_default);
+  c.shape = SANDGLASS_SHAPE_FIELD;
+  c.position[0] = x;
+  c.position[1] = y;
+  c.position[2] = z;
+  c.field = field.get();
+  return c;
+}
 
 }  // namespace cpp
 }  // namespace sandglass

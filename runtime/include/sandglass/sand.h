@@ -119,7 +119,10 @@ enum {
   /* size holds the half extents along local x, y and z. */
   SANDGLASS_SHAPE_BOX = 3,
   /* Any surface, as a grid of distances in `field`; size means nothing. */
-  SANDGLASS_SHAPE_FIELD = 4
+  SANDGLASS_SHAPE_FIELD = 4,
+  /* What stands on a real plane, as the heights of `relief` above local y = 0; their middle is `position`, and size means
+   * nothing. See sandglass_relief_get_collider. */
+  SANDGLASS_SHAPE_RELIEF = 5
 };
 
 /* A collider: a solid that sand cannot enter, and that the app moves. Its pose is that at the *end* of the frame's time
@@ -186,6 +189,8 @@ typedef struct sandglass_collider {
   /* Any number that stays with the collider from frame to frame, and that no other in the list has. 0: it has none, and
    * is recognised by its pose. Sinks and regions need none. */
   uint32_t id;
+  /* For SANDGLASS_SHAPE_RELIEF: it must stay valid during the frame (relief.h). Another relief needs another id. */
+  const struct sandglass_relief* relief;
 } sandglass_collider;
 
 /* Fills *collider with the defaults: the floor y = 0, at rest; sizes are 1. */

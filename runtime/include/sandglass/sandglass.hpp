@@ -411,6 +411,13 @@ class Relief : public Owned<sandglass_relief> {
   uint64_t hash() const { return sandglass_relief_hash(get()); }
 };
 
+// A relief as sand meets it, at the pose of its plane. The relief must outlive it.
+inline sandglass_collider relief_collider(const Relief& relief) {
+  sandglass_collider c = collider(SANDGLASS_SHAPE_RELIEF, 0.0f, 0.0f, 0.0f);
+  sandglass_relief_get_collider(relief.get(), &c);
+  return c;
+}
+
 // ----------------------------------------------------------------------------------------------------------------
 // shadows
 
@@ -583,16 +590,6 @@ class PileShadow : public Owned<sandglass_pile_shadow> {
   // See sandglass_pile_shadow_hash.
   uint64_t hash() const { return sandglass_pile_shadow_hash(get()); }
 };
-
-// ----------------------------------------------------------------------------------------------------------------
-// fields
-
-// A collider of a field whose own coordinates begin at (x, y, z), unrotated and at rest. The field must outlive it.
-inline sandglass_collider field_at(const Field& field, float x, float y, float z) {
-  sandglass_collider c = collider(SANDGLASS_SHAPE_FIELD, x, y, z);
-  c.field = field.get();
-  return c;
-}
 
 }  // namespace cpp
 }  // namespace sandglass
