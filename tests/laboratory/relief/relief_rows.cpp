@@ -5,8 +5,9 @@
 #include <limits>
 #include <string>
 
-#include "runtime/relief/relief.h"
 #include "tests/laboratory/relief/depth_table.h"
+#include "tests/laboratory/relief/relief_take.h"
+#include "tests/laboratory/relief/sand_on_relief.h"
 
 namespace sandglass::host {
 
@@ -16,37 +17,6 @@ constexpr double k_never = std::numeric_limits<double>::infinity();
 constexpr double k_seconds = 10, k_book_seconds = 6;
 constexpr double k_step = 0.005;  // metres between samples of the truth
 constexpr double k_off = 0.010;   // metres: what hovers or leaks is so far off what is there or beside it
-
-// What is left out, or done as one would at first.
-enum class Left { nothing, lock, clearing, lowest_peak };
-
-// The mode of the votes.
-float highest_peak(const ReliefState& relief) {
-  uint32_t best = 0;
-  for (uint32_t bin = 0; bin < k_relief_bins; ++bin)
-    if (relief.view.votes[bin] > relief.view.votes[best]) best = bin;
-  return k_relief_scale_min +
-         (static_cast<float>(best) + 0.5f) * (k_relief_scale_max - k_relief_scale_min) / k_relief_bins;
-}
-
-void take(cpp::Relief* relief, const sandglass_depth_image& image, Left left) {
-  if (left == Left::nothing) {
-    (void)relief->set_image(image);
-    return;
-  }
-  ReliefState* r = &relief->get()->relief;
-  if (!relief_take(r, image)) return;
-  while (r->phase != ReliefPhase::idle) {
-    const ReliefPhase before = r->phase;
-    relief_run_unit(r);
-    if (before == r->phase) continue;
-    if (before == ReliefPhase::read && left == Left::lock) r->scale = 1;
-    if (before == ReliefPhase::read && left == Left::lowest_peak) r->scale = highest_peak(*r);
-    if (before != ReliefPhase::gather || left != Left::clearing) continue;
-    for (uint32_t i = 0; i < relief_cells(*r); ++i)
-      if (r->cells.now[i] != k_relief_none) r->cells.now[i] = std::max(r->cells.now[i], r->cells.median[i]);
-  }
-}
 
 struct Range {
   double low, high;
@@ -120,7 +90,7 @@ Known session(const DepthRecording& recording, uint64_t seed, Left left = Left::
   const std::vector<uint32_t> box = cells_of_box(*recording.table, relief.heights());
   Known known;
   while (images.next()) {
-    take(&relief, images.image(), left);
+    take_image(&relief, images.image(), left);
     const double t = images.seconds() + 1 / k_image_rate;
     const sandglass_heights h = relief.heights();
     double up = 0, down = 0;
@@ -142,7 +112,7 @@ double book_height(const DepthRecording& recording, double bias, Left left) {
   cpp::Relief relief;
   if (!relief.create()) return 0;
   DepthImages images(recording, {.seed = 3, .bias = bias, .drift = false});
-  while (images.next()) take(&relief, images.image(), left);
+  while (images.next()) take_image(&relief, images.image(), left);
   const sandglass_heights h = relief.heights();
   std::vector<double> inside;
   for (uint32_t i = 0; i < h.cells[0] * h.cells[1]; ++i) {
@@ -161,12 +131,13 @@ struct Rows {
     rows.push_back({group, name, unit, truth, result, limit, within != control, control});
   }
   // The mean of all seeds, and the worst, which may be 1.3 times as far off.
-  void add_all(const std::string& group, const std::string& name, const char* unit, const std::vector<Known>& all,
-               double Known::*of, double limit) {
+  template <class One>
+  void add_all(const std::string& group, const std::string& name, const char* unit, const std::vector<One>& all,
+               double One::*of, double limit) {
     double mean = 0, worst = 0;
-    for (const Known& known : all) {
-      mean += known.*of / static_cast<double>(all.size());
-      worst = std::max(worst, known.*of);
+    for (const One& one : all) {
+      mean += one.*of / static_cast<double>(all.size());
+      worst = std::max(worst, one.*of);
     }
     add(group, name, unit, 0, mean, limit);
     add(group, name + ", worst", unit, 0, worst, 1.3 * limit);
@@ -193,9 +164,49 @@ void add_books(const std::function<bool()>& go_on, Rows* rows) {
   }
 }
 
+constexpr double k_awake = 5, k_thrown = 1.5;  // % of particles; m/s
+
+// False: it was asked to end.
+bool add_sand(const DepthRecording& recording, const char* name, uint32_t seeds, const std::function<bool()>& go_on,
+              Rows* rows) {
+  constexpr struct {
+    Pouring pouring;
+    const char* row;
+    const char* unit;
+    double SandOnRelief::*of;
+    double limit;
+  } k_rows[] = {{Pouring::everywhere, "sand at rest, awake", "%", &SandOnRelief::awake, k_awake},
+                {Pouring::onto_the_box, "sand that floats", "particles", &SandOnRelief::floats, 0},
+                {Pouring::where_it_comes, "sand is thrown", "m/s", &SandOnRelief::fastest, k_thrown}};
+  for (const auto& row : k_rows) {
+    std::vector<SandOnRelief> all;
+    for (uint32_t seed = 0; seed < seeds; ++seed) {
+      if (!go_on()) return false;
+      all.push_back(sand_on_relief(recording, seed + 1, row.pouring));
+    }
+    rows->add_all(name, row.row, row.unit, all, row.of, row.limit);
+  }
+  return true;
+}
+
+// False: it was asked to end.
+bool add_sand_controls(const DepthRecording& recording, const char* name, const std::function<bool()>& go_on,
+                       Rows* rows) {
+  const auto of = [&](Pouring pouring, Left left, bool dense) {
+    return go_on() ? sand_on_relief(recording, 1, pouring, left, dense) : SandOnRelief{};
+  };
+  rows->add(name, "control: no hysteresis, awake", "%", 0, of(Pouring::everywhere, Left::hysteresis, false).awake,
+            k_awake, true);
+  rows->add(name, "control: running maximum, floats", "particles", 0,
+            of(Pouring::onto_the_box, Left::clearing, false).floats, 0, true);
+  rows->add(name, "control: left 25 times as fast, thrown", "m/s", 0,
+            of(Pouring::where_it_comes, Left::nothing, true).fastest, k_thrown, true);
+  return go_on();
+}
+
 }  // namespace
 
-uint64_t relief_recordings(uint32_t seeds) { return 3 * seeds + 2 + 2; }
+uint64_t relief_recordings(uint32_t seeds) { return (3 + 2 * 3) * seeds + 2 + 3 + 1 + 2; }
 
 std::vector<Verdict> relief_verdicts(uint32_t seeds, const std::function<bool()>& go_on) {
   Rows rows;
@@ -210,6 +221,10 @@ std::vector<Verdict> relief_verdicts(uint32_t seeds, const std::function<bool()>
     for (uint32_t seed = 0; seed < seeds; ++seed) {
       if (!go_on()) return rows.rows;
       all.push_back(session(recording, seed + 1));
+    }
+    if (kind != DepthKind::smoothed) {
+      if (!add_sand(recording, name, seeds, go_on, &rows)) return rows.rows;
+      if (kind == DepthKind::raw && !add_sand_controls(recording, name, go_on, &rows)) return rows.rows;
     }
     rows.add_all(name, "interior, P95", "mm", all, &Known::interior, 3);
     rows.add_all(name, "hovers", "% of cells", all, &Known::hovers, 1.5);
