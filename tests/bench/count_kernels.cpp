@@ -125,6 +125,19 @@ struct Field {
   ColliderFrame frame;
 };
 
+// Books of 1 cm cells under the pile.
+struct Books {
+  static constexpr uint32_t n = 48;
+  Books() : heights(n * n + 1, 0.03f), frame(still(SANDGLASS_SHAPE_RELIEF, 0.0f, 0.0f)) {
+    for (uint32_t i = 0; i < n * n; ++i) heights[i] = i % n / 7 % 2 + i / n / 9 % 2 == 2 ? 0.03f : 0.0f;
+    constexpr float half = 0.005f * (n - 1);
+    frame.field = {heights.data(), {n, 1, n}, {-half, 0, -half}, 0.01f, 100.0f, 1.0f, 0.0f};
+    frame.offset = k_radius;
+  }
+  std::vector<float> heights;
+  ColliderFrame frame;
+};
+
 void work_grid_cells(const Kernels& kernels) {
   Pile pile;
   std::vector<uint32_t> keys(k_items + k_slack);
@@ -203,6 +216,10 @@ void work_contact_solve_beside_a_field(const Kernels& kernels) {
 }
 void work_predict_motion(const Kernels& kernels) { count(kernels.predict_motion, Pass(nullptr).predict); }
 void work_complete_motion(const Kernels& kernels) { count(kernels.complete_motion, Pass(nullptr).complete); }
+void work_complete_motion_beside_a_relief(const Kernels& kernels) {
+  const Books books;
+  count(kernels.complete_motion, Pass(&books.frame).complete);
+}
 
 // As many pairs of the lists as there are items. No two of a lane group share a particle. Every third touches.
 void work_contact_pairs(const Kernels& kernels) {
@@ -355,6 +372,11 @@ void work_refine_grains_beside_a_field(const Kernels& kernels) {
   const Field field;
   refine(kernels, field.frame, &motion);
 }
+void work_refine_grains_beside_a_relief(const Kernels& kernels) {
+  Motion motion;
+  const Books books;
+  refine(kernels, books.frame, &motion);
+}
 void work_refine_grains_without_a_grid(const Kernels& kernels) {
   refine(kernels, still(SANDGLASS_SHAPE_HALF_SPACE, 0, 0), nullptr);
 }
@@ -480,6 +502,8 @@ constexpr Work k_works[] = {
 #undef SANDGLASS_KERNEL
     {"contact_solve_beside_a_field", work_contact_solve_beside_a_field},
     {"refine_grains_beside_a_field", work_refine_grains_beside_a_field},
+    {"complete_motion_beside_a_relief", work_complete_motion_beside_a_relief},
+    {"refine_grains_beside_a_relief", work_refine_grains_beside_a_relief},
     {"refine_grains_without_a_grid", work_refine_grains_without_a_grid},
 };
 

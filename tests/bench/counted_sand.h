@@ -31,6 +31,7 @@ struct CountedSand {
     desc.granular.particle_capacity = static_cast<uint32_t>(particles.size() / 3) + more;
     desc.granular.grain_capacity = static_cast<uint32_t>(grains.size() / 3);
     desc.granular.collider_capacity = 2;
+    desc.granular.emitter_capacity = more != 0 ? 1 : 0;
     if (status) status = scene.create(desc);
     if (status) status = scene.add(particles, grains);
     colliders[1].shape = SANDGLASS_SHAPE_BOX;
