@@ -3,6 +3,9 @@
 #include <map>
 #include <vector>
 
+#include "runtime/math/hash.h"
+#include "runtime/math/random.h"
+#include "runtime/relief/relief.h"
 #include "tests/fuzz/edits.h"
 #include "tests/fuzz/other_kernels.h"
 #include "tests/sand/granular_scene.h"
@@ -10,7 +13,7 @@
 namespace {
 
 constexpr float k_radius = 0.01f, k_far = 4000.0f;
-constexpr uint32_t k_colliders = 3, k_emitters = 2, k_points = 4, k_pixel_bytes = 4096, k_grain_bytes = 8192;
+constexpr uint32_t k_colliders = 4, k_emitters = 2, k_points = 4, k_pixel_bytes = 4096, k_grain_bytes = 8192;
 uint8_t g_pixels[k_pixel_bytes];
 
 enum Action : uint32_t {
@@ -41,7 +44,8 @@ struct Turn {
   float points[3 * k_points] = {0, 0.2f, 0, 0.02f, 0.2f, 0, 0, 0.2f, 0.02f, 0.02f, 0.2f, 0.02f},
                    speeds[3 * k_points] = {};
   sandglass_collider colliders[k_colliders] = {sandglass::floor_at(0), sandglass::sphere(0, 0.03f, 0, 0.02f),
-                                               sandglass::collider(SANDGLASS_SHAPE_FIELD, 0, 0, 0)};
+                                               sandglass::collider(SANDGLASS_SHAPE_FIELD, 0, 0, 0),
+                                               sandglass::collider(SANDGLASS_SHAPE_RELIEF, 0, 0, 0)};
   sandglass_collider sink = sandglass::box(0.1f, 0, 0, 0.03f, 0.03f, 0.03f);
   sandglass_emitter emitters[k_emitters] = {sandglass::emitter(-0.2f, 0.4f, 0.0f, 0.012f, 0.8f, 4),
                                             sandglass::emitter(0.2f, 0.4f, 0.0f, 0.012f, 0.8f, 4)};
@@ -189,6 +193,7 @@ std::vector<int32_t> act(World* world, const Turn& t) {
   call(k_add_body, [&] { return sandglass_scene_add_body(scene, &body, nullptr, &reason); });
   sandglass_collider region = t.colliders[1];
   region.field = nullptr;
+  region.relief = world->others.relief.handle;
   call(k_remove, [&] { return sandglass_scene_remove(scene, &region, nullptr, nullptr, &reason); });
   call(k_move, [&] { return sandglass_scene_move(scene, t.rotation, t.translation, &reason); });
   call(k_boundary, [&] { return sandglass_scene_set_boundary(scene, t.points, k_points, &reason); });
@@ -221,6 +226,16 @@ sandglass_camera_image image_of(const Turn& t) {
   return image;
 }
 
+// Cells under the sand, as high as its numbers say.
+void raise_some(const Turn& t, sandglass_relief* relief) {
+  sandglass::ReliefState* r = &relief->relief;
+  const uint32_t width = r->desc.cells[0], middle = (r->desc.cells[1] / 2) * width + width / 2;
+  sandglass::Random random{sandglass::hash_bytes(t.points, sizeof t.points)};
+  for (uint32_t i = 0; i < 6; ++i)
+    relief_set_cell(r, middle + random.below(4) + width * random.below(4), static_cast<int16_t>(random.below(400)));
+  relief_end_change(r);
+}
+
 int32_t run(World* world, Turn* t, const sandglass_plan* plan, sandglass_frame_report* report) {
   static const sandglass::Field bowl = [] {
     sandglass::Field field;
@@ -229,7 +244,10 @@ int32_t run(World* world, Turn* t, const sandglass_plan* plan, sandglass_frame_r
     return field;
   }();
   for (sandglass_collider& c : t->colliders) c.field = c.grains_only & 2 ? nullptr : bowl.get();
+  for (sandglass_collider& c : t->colliders) c.relief = c.grains_only & 4 ? nullptr : world->others.relief.handle;
   t->sink.field = bowl.get();
+  t->sink.relief = world->others.relief.handle;
+  raise_some(*t, world->others.relief.handle);
   const sandglass_camera_image image = image_of(*t);
   sandglass_frame_input input = sandglass::frame_input();
   input.time_step = t->time_step;

@@ -214,7 +214,7 @@ void RandomScene::add_light() {
   add_relief();
 }
 
-// Looks down at what is as high as numbers say, up to 0.2 m.
+// Looks down at what is as high as numbers say, up to 0.2 m, and pushes what is there.
 void RandomScene::add_relief() {
   constexpr uint32_t k_width = 48, k_height = 32;
   for (uint32_t i = 0; i < k_width * k_height; ++i)
@@ -230,6 +230,8 @@ void RandomScene::add_relief() {
   const float x_axis[3] = {1, 0, 0};
   sandglass_rotation_about(x_axis, -1.57079632679f, depth_.orientation);
   ::accept(relief_.create());
+  colliders_.insert(colliders_.end() - 1, relief_collider(relief_));
+  bodies_have_floor = false;
 }
 
 void RandomScene::add_shadows() {
