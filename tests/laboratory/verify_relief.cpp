@@ -1,5 +1,5 @@
 // `sandglass_lab verify relief`: the heights that a relief gathers from a device's depth images of a table, against the
-// truth, and without what makes them hold.
+// truth, sand that lies on them, and both without what makes them hold.
 #include "tests/laboratory/relief/relief_rows.h"
 #include "tests/laboratory/verify.h"
 
@@ -23,7 +23,8 @@ int run(const VerifyOptions& options) {
 }  // namespace
 
 Command verify_relief_suite() {
-  return command<VerifyOptions>("relief", "Heights of a table from depth images, against the truth", options_of, run);
+  return command<VerifyOptions>("relief", "Heights of a table from depth images against the truth, and sand on them",
+                                options_of, run);
 }
 
 }  // namespace sandglass::host

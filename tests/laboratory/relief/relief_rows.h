@@ -1,4 +1,4 @@
-// How well a relief knows a table, against its truth: rows of `sandglass_lab verify relief`.
+// How well a relief knows a table, against its truth, and carries sand: rows of `sandglass_lab verify relief`.
 #pragma once
 
 #include <functional>
