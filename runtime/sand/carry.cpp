@@ -458,7 +458,7 @@ void carry_layout(Carry* c, const sandglass_granular_desc& d, Layout* layout) {
 void carry_reset(Carry* c) {
   *c->scratch = {};
   c->due = Carry::Moment::none;
-  c->moving = c->may_lag = c->closing = c->known = c->usual = false;
+  c->moving = c->may_lag = c->closing = c->known = c->usual = c->holds = false;
   c->cursor = 0;
 }
 
@@ -544,7 +544,11 @@ bool carry_run(Carry* c, const Granular& g) {
 }
 
 void carry_end(Carry* c) {
-  c->usual = c->usual || c->due == Carry::Moment::close;
+  if (c->due == Carry::Moment::close) {
+    c->usual = true;
+    c->holds = false;
+    for (uint32_t i = 0; i < c->group_count; ++i) c->holds = c->holds || (c->groups[i].hollow && !is_empty(c->held[i]));
+  }
   c->due = Carry::Moment::none;
   c->known = false;
 }

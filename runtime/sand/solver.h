@@ -218,6 +218,7 @@ struct Carry {
   bool closing;  // the frame's optional units are over
   bool known;    // motions and groups are found
   bool usual;    // it has closed a frame before: its own cost is known
+  bool holds;    // the last that closed a frame carried sand in a vessel
   uint32_t cursor;
   // Velocities of colliders, over those before.
   float faster;

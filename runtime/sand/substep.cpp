@@ -423,8 +423,11 @@ void substep_abandon(Granular* g) {
 }
 
 Stage granular_particle_stage(Granular* granular) {
-  const uint32_t carries = granular->carry.due == Carry::Moment::jump ? carry_units(*granular) : 0;
-  return {granular, next, run, forecast, k_granular_kinds, 1 + carries, 0.6f};
+  const Granular& g = *granular;
+  const uint32_t jumps = g.carry.due == Carry::Moment::jump ? carry_units(g) : 0;
+  // A carry may take all of a small budget: sand in a vessel gets about as long beside it, or else it would hang in there.
+  const uint32_t beside = carry_is_expected(g) && g.carry.holds ? 1 + carry_units(g) : 0;
+  return {granular, next, run, forecast, k_granular_kinds, 1 + jumps + beside, 0.6f};
 }
 
 }  // namespace sandglass
