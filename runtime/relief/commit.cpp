@@ -7,7 +7,6 @@
 namespace sandglass {
 namespace {
 
-constexpr int32_t k_flat = 32;                         // heights, 8 mm: what is lower is the plane
 constexpr int32_t k_tolerance = 24;                    // heights, 6 mm
 constexpr uint8_t k_calm_max = 40, k_calm_images = 8;  // a cell waits for an image more for so many calm ones
 constexpr uint32_t k_few = 3, k_few_unseen = 4;        // neighbours without which there is no median of them
@@ -46,18 +45,13 @@ Around look_around(const ReliefState& relief, uint32_t i) {
 
 void show(ReliefState* relief, uint32_t i, int32_t height) {
   relief_show(relief, i, static_cast<int16_t>(height));
-  const uint32_t at[2] = {i % relief->desc.cells[0], i / relief->desc.cells[0]};
-  ReliefBox* box = &relief->changing;
-  for (int k = 0; k < 2; ++k) {
-    box->low[k] = at[k] < box->low[k] ? at[k] : box->low[k];
-    box->high[k] = at[k] + 1 > box->high[k] ? at[k] + 1 : box->high[k];
-  }
+  relief_version_takes(relief, i);
 }
 
 // Whether the cell's height would be another one by enough.
 bool asks_for(const ReliefState& relief, uint32_t i, int32_t* height) {
   const Around around = look_around(relief, i);
-  *height = around.height < k_flat && around.height > -k_flat ? 0 : around.height;
+  *height = around.height < k_relief_flat && around.height > -k_relief_flat ? 0 : around.height;
   const int32_t shown = relief.cells.shown[i];
   const int32_t change = *height > shown ? *height - shown : shown - *height;
   const int32_t tolerance = 2 * k_tolerance + around.difference;  // twice
@@ -79,7 +73,7 @@ void find_doubtful(const ReliefCells& cells, uint32_t width, uint32_t first, uin
     const int16_t high =
         most(most(most(most(p[-1], p[0]), most(p[1], q[-1])), most(most(q[0], q[1]), r[-1])), most(r[0], r[1]));
     const bool off = (high - shown[i] > k_tolerance) | (shown[i] - low > k_tolerance);
-    const bool flattens = (shown[i] != 0) & (low < k_flat) & (high > -k_flat);
+    const bool flattens = (shown[i] != 0) & (low < k_relief_flat) & (high > -k_relief_flat);
     doubtful[i] = off | flattens;
   }
 }
@@ -119,6 +113,21 @@ void relief_end_change(ReliefState* relief) {
   const uint32_t count = relief_cells(*relief);
   for (uint32_t i = 0; i < count; ++i) highest = relief->cells.shown[i] > highest ? relief->cells.shown[i] : highest;
   relief->heights[count] = static_cast<float>(highest) * k_relief_unit;
+}
+
+void relief_version_takes(ReliefState* relief, uint32_t i) {
+  const uint32_t at[2] = {i % relief->desc.cells[0], i / relief->desc.cells[0]};
+  ReliefBox* box = &relief->changing;
+  for (int k = 0; k < 2; ++k) {
+    box->low[k] = at[k] < box->low[k] ? at[k] : box->low[k];
+    box->high[k] = at[k] + 1 > box->high[k] ? at[k] + 1 : box->high[k];
+  }
+}
+
+void relief_end_version(ReliefState* relief) {
+  if (relief->changing.high[0] == 0) return;
+  relief->changed = relief->changing;
+  ++relief->version;
 }
 
 void relief_commit(ReliefState* relief, uint32_t first, uint32_t end) {

@@ -12,11 +12,12 @@
 namespace sandglass {
 
 void relief_show(ReliefState* relief, uint32_t i, int16_t height) {
-  if (relief->cells.shown[i] == height) return;
+  const float metres = relief->gone[i] != 0 ? SANDGLASS_RELIEF_GONE : static_cast<float>(height) * k_relief_unit;
+  relief->cells.shown[i] = height;
+  if (relief->heights[i] == metres) return;
   CellChange* change = &relief->changes[i];
   if (change->last <= relief->change) *change = {relief->change + 1, change->last, relief->heights[i]};
-  relief->cells.shown[i] = height;
-  relief->heights[i] = static_cast<float>(height) * k_relief_unit;
+  relief->heights[i] = metres;
   relief->changes_now = true;
 }
 
@@ -32,9 +33,10 @@ void relief_reset(ReliefState* relief) {
   const uint32_t count = relief_cells(*relief);
   for (uint32_t i = 0; i < count; ++i) {
     relief_set_cell(relief, i, 0);
-    relief->cells.now[i] = k_relief_none;
+    relief->cells.now[i] = relief->raised.given[i] = k_relief_none;
   }
   relief_end_change(relief);
+  relief->raised.due = relief->raised.count != 0;
   relief->scale = 1;
   relief->scale_known = false;
   relief->last_ns = 0;
@@ -52,6 +54,8 @@ sandglass_status check(const sandglass_relief_desc& desc, const char** reason) {
   for (const uint32_t cells : desc.cells)
     if (cells < 16 || cells > 256) return refuse(reason, "desc.cells is not in 16..256 along x and along z.");
   if (!within(desc.cell, 0.005f, 0.05f)) return refuse(reason, "desc.cell is not in 0.005..0.05 metres.");
+  if (!within(desc.ceiling, 0.01f, 0.5f)) return refuse(reason, "desc.ceiling is not in 0.01..0.5 metres.");
+  if (desc.mesh_capacity > 1024) return refuse(reason, "desc.mesh_capacity is above 1024.");
   return accept(reason);
 }
 
@@ -67,6 +71,10 @@ sandglass_relief* lay_out(const sandglass_relief_desc& desc, Layout* layout) {
   for (int16_t** array : heights) *array = layout_region<int16_t>(layout, "relief.cells", count);
   uint8_t** const counts[] = {&cells->seen, &cells->next, &cells->beyond, &cells->calm};
   for (uint8_t** array : counts) *array = layout_region<uint8_t>(layout, "relief.counts", count);
+  relief->raised.meshes = layout_region<ReliefMesh>(layout, "relief.meshes", desc.mesh_capacity);
+  int16_t** const raised[] = {&relief->raised.made, &relief->raised.given};
+  for (int16_t** array : raised) *array = layout_region<int16_t>(layout, "relief.raised", count);
+  relief->gone = layout_region<uint8_t>(layout, "relief.gone", count);
   relief->heights = layout_region<float>(layout, "relief.heights", count + 1);
   relief->changes = layout_region<CellChange>(layout, "relief.changes", count);
   relief->samples = layout_region<uint16_t>(layout, "relief.samples", k_relief_samples);
@@ -91,9 +99,9 @@ using Maker = MakerOf<check, lay_out, build>;
 
 // Out of line: each runs between the two calls that set and restore the floating-point control.
 __attribute__((noinline)) bool take_whole(ReliefState* relief, const sandglass_depth_image& image) {
-  while (relief->phase != ReliefPhase::idle) relief_run_unit(relief);
+  while (!relief_idle(*relief)) relief_run_unit(relief);
   if (!relief_take(relief, image)) return false;
-  while (relief->phase != ReliefPhase::idle) relief_run_unit(relief);
+  while (!relief_idle(*relief)) relief_run_unit(relief);
   return true;
 }
 
@@ -134,6 +142,8 @@ void sandglass_relief_desc_default(sandglass_relief_desc* desc) {
   if (!empty_struct(desc)) return;
   desc->cells[0] = desc->cells[1] = 128;
   desc->cell = 0.01f;
+  desc->mesh_capacity = 64;
+  desc->ceiling = 0.5f;
 }
 
 sandglass_status sandglass_relief_bytes(const sandglass_relief_desc* desc, uint64_t* bytes, const char** reason) {
@@ -160,6 +170,7 @@ sandglass_status sandglass_relief_set_plane(sandglass_relief* handle, const floa
   if (!rotation_of(rotation, &turn)) return refuse(reason, "rotation is none: pass (x, y, z, w), not all 0.");
   __builtin_memcpy(handle->relief.position, position, sizeof handle->relief.position);
   __builtin_memcpy(handle->relief.rotation, rotation, sizeof handle->relief.rotation);
+  relief_meshes_moved(&handle->relief);
   return accept(reason);
 }
 
@@ -178,6 +189,12 @@ sandglass_status sandglass_relief_set_image(sandglass_relief* relief, const sand
   const bool took = take_whole(&relief->relief, *image);
   if (taken != nullptr) *taken = took ? 1 : 0;
   return accept(reason);
+}
+
+uint32_t sandglass_relief_run(sandglass_relief* relief, uint32_t units) {
+  if (relief == nullptr) return 0;
+  const ExactFloatingPoint exact;
+  return run_members(member_of(relief, k_relief_kinds), units);
 }
 
 void sandglass_relief_get_heights(const sandglass_relief* relief, sandglass_heights* heights) {
@@ -199,7 +216,8 @@ uint64_t sandglass_relief_hash(const sandglass_relief* handle) {
   const uint64_t count = relief_cells(relief);
   uint64_t hash = hash_bytes(relief.cells.looks, sizeof(int16_t) * k_relief_looks * relief.cells.pitch);
   hash = hash_with(hash, hash_bytes(relief.cells.shown, sizeof(int16_t) * count));
-  const uint8_t* const arrays[] = {relief.cells.beyond, relief.cells.calm};
+  hash = hash_with(hash, hash_bytes(relief.raised.given, sizeof(int16_t) * count));
+  const uint8_t* const arrays[] = {relief.cells.beyond, relief.cells.calm, relief.gone};
   for (const uint8_t* array : arrays) hash = hash_with(hash, hash_bytes(array, count));
   return hash_with(hash, hash_bytes(&relief.scale, sizeof relief.scale));
 }

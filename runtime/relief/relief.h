@@ -4,7 +4,10 @@
 //   gather   the samples into the cells: of each the highest (gather.cpp)
 //   look     what the image shows of a cell, into the ring of its last eight looks; their median (look.cpp)
 //   commit   the median of medians, into what is shown, where it differs enough (commit.cpp)
-// After any unit the heights are those of a map: commit changes one cell after another.
+// Meshes pass through two more (meshes.cpp):
+//   raise    their triangles into heights of their own
+//   settle   those into what is shown, where they differ from what meshes gave before
+// After any unit the heights are those of a map: cells change one after another. The outline takes cells out (outline.cpp).
 //
 // Lengths in cells and samples are whole numbers, so that no order of operations matters to a bit.
 #pragma once
@@ -13,13 +16,15 @@
 
 #include "kernels/kernels.h"
 #include "runtime/frame/capability.h"
+#include "runtime/math/app_mesh.h"
 #include "sandglass/relief.h"
 
 namespace sandglass {
 
-constexpr uint32_t k_relief_samples = 16384;      // of an image at most
-constexpr uint32_t k_relief_unit_samples = 1024;  // read or gathered in one unit
-constexpr uint32_t k_relief_unit_cells = 2048;    // looked at or committed in one unit
+constexpr uint32_t k_relief_samples = 16384;       // of an image at most
+constexpr uint32_t k_relief_unit_samples = 1024;   // read or gathered in one unit
+constexpr uint32_t k_relief_unit_cells = 2048;     // looked at, committed or settled in one unit
+constexpr uint32_t k_relief_unit_triangles = 512;  // raised in one unit
 constexpr uint32_t k_relief_looks = 8;
 constexpr uint32_t k_relief_looks_min = 5;  // with fewer a cell counts as not seen
 constexpr uint32_t k_relief_bins = 128;     // of the votes for the plane
@@ -31,6 +36,7 @@ constexpr int16_t k_relief_none = -32768;
 // 0.5 m and -3 cm. What is higher hangs over the plane. What is lower is seen past the plane's edge, or was measured
 // badly, and says nothing of the cell: as holes such samples were wrong in 6 of 100.
 constexpr int16_t k_relief_highest = 2000, k_relief_lowest = -120;
+constexpr int32_t k_relief_flat = 32;            // heights, 8 mm: what is lower is the plane
 constexpr uint32_t k_relief_magic = 0x68726773;  // "sgrh"
 constexpr uint32_t k_relief_lanes = 8;           // cells whose looks are sorted together
 
@@ -39,10 +45,10 @@ constexpr float k_sample_unit = 0.000125f;
 constexpr uint16_t k_sample_depth = 0x7fff, k_sample_rejected = 0x8000;
 
 // Kinds of work unit.
-enum : uint32_t { k_relief_read, k_relief_gather, k_relief_look, k_relief_commit };
-static_assert(k_relief_commit + 1 == k_relief_kinds);
+enum : uint32_t { k_relief_read, k_relief_gather, k_relief_look, k_relief_commit, k_relief_raise, k_relief_settle };
+static_assert(k_relief_settle + 1 == k_relief_kinds);
 
-enum class ReliefPhase : uint32_t { idle, read, gather, look, commit };
+enum class ReliefPhase : uint32_t { idle, read, gather, look, commit, raise, settle };
 
 // What is known of the cells, an array of each: passes over them are over many at once.
 struct ReliefCells {
@@ -68,10 +74,29 @@ struct ReliefView {
   uint32_t votes[k_relief_bins], vote_count;
 };
 
+struct ReliefMesh {
+  sandglass_cast_mesh asked;
+  // As it was raised: from its frame into the plane's, three rows of four; and the greatest coordinate of its triangles
+  // above the map.
+  double rows[12], reach;
+};
+
+// What meshes say of the cells.
+struct ReliefRaised {
+  ReliefMesh* meshes;
+  uint32_t count;
+  bool due;  // other meshes than those that were raised, or they have moved
+  uint32_t restarts;
+  uint32_t mesh, triangle, row;  // the next
+  int16_t *made, *given;         // heights of the raise under way; of the last one that was settled; or k_relief_none
+};
+
 // The cells of the map that a version has changed.
 struct ReliefBox {
   uint32_t low[2], high[2];
 };
+
+constexpr ReliefBox k_relief_no_cells = {{UINT32_MAX, UINT32_MAX}, {0, 0}};
 
 // Which change was a cell's last one, which the one before, and its height between these, metres.
 struct CellChange {
@@ -93,6 +118,8 @@ struct ReliefState {
   uint32_t cursor;
   ReliefView view;
   ReliefCells cells;
+  ReliefRaised raised;
+  uint8_t* gone;      // 1: beyond the outline, or in a hole of it
   float* heights;     // and the greatest of them
   uint16_t* samples;  // k_relief_samples
   // For what lies on it, whenever it looks: the last change, counted unit by unit, never 0; what is known of each cell's;
@@ -103,6 +130,8 @@ struct ReliefState {
 };
 
 inline uint32_t relief_cells(const ReliefState& r) { return r.desc.cells[0] * r.desc.cells[1]; }
+// Whether neither an image nor a mesh is under way, or due.
+inline bool relief_idle(const ReliefState& r) { return r.phase == ReliefPhase::idle && !r.raised.due; }
 inline uint32_t relief_samples(const ReliefView& v) { return v.width * v.height; }
 
 // The heights as kernels see them, in the plane's frame.
@@ -149,6 +178,19 @@ void relief_for_rows(uint32_t first, uint32_t end, uint32_t width, uint32_t most
   }
 }
 
+// Shows a height in a cell, unless it is gone.
+void relief_show(ReliefState* relief, uint32_t cell, int16_t height);
+// The version that is being made changes this cell; it is done.
+void relief_version_takes(ReliefState* relief, uint32_t cell);
+void relief_end_version(ReliefState* relief);
+
+// Meshes or plane were set: whether some mesh is to be raised anew.
+void relief_meshes_moved(ReliefState* relief);
+void relief_begin_raise(ReliefState* relief);
+uint32_t relief_raise_items(const ReliefState& relief);
+// One unit. True once all are raised.
+bool relief_raise(ReliefState* relief);
+
 // The phases. Each runs from `first`, below `end`.
 void relief_read(ReliefView* view, const ReliefState& relief, uint32_t first, uint32_t end);
 // Once all was read: what depths are multiplied by.
@@ -156,6 +198,7 @@ void relief_find_scale(ReliefState* relief);
 void relief_gather(const ReliefState& relief, uint32_t first, uint32_t end);
 void relief_look(const ReliefState& relief, uint32_t first, uint32_t end);
 void relief_commit(ReliefState* relief, uint32_t first, uint32_t end);
+void relief_settle(ReliefState* relief, uint32_t first, uint32_t end);
 
 // Runs the next unit.
 void relief_run_unit(ReliefState* relief);

@@ -1,4 +1,4 @@
-// A relief's part in a frame: which image it takes, and the units of one.
+// A relief's part in a frame: which image it takes, and the units of one, or of meshes.
 #include "runtime/frame/capability.h"
 #include "runtime/math/finite.h"
 #include "runtime/math/turn.h"
@@ -42,8 +42,7 @@ const char* relief_fault(const sandglass_depth_image& image) {
 }
 
 bool relief_take(ReliefState* relief, const sandglass_depth_image& image) {
-  if (relief->phase != ReliefPhase::idle || (image.timestamp_ns != 0 && image.timestamp_ns == relief->last_ns))
-    return false;
+  if (!relief_idle(*relief) || (image.timestamp_ns != 0 && image.timestamp_ns == relief->last_ns)) return false;
   ReliefView* view = &relief->view;
   *view = {};
   view->image = image;
@@ -94,21 +93,30 @@ void end_frame(void* handle, sandglass_frame_report*) {
   if (relief->phase == ReliefPhase::read) relief->phase = ReliefPhase::idle;
 }
 
-// The phase's items, and how many of them a unit takes.
-uint32_t phase_items(const ReliefState& relief) {
-  return relief.phase <= ReliefPhase::gather ? relief_samples(relief.view) : relief_cells(relief);
-}
-uint32_t phase_unit(const ReliefState& relief) {
-  return relief.phase <= ReliefPhase::gather ? k_relief_unit_samples : k_relief_unit_cells;
+// What the next unit is of: where nothing is under way, of meshes that are due.
+ReliefPhase phase_next(const ReliefState& relief) {
+  return relief.phase == ReliefPhase::idle && relief.raised.due ? ReliefPhase::raise : relief.phase;
 }
 
-constexpr const char* k_units[] = {"relief.read", "relief.gather", "relief.look", "relief.commit"};
+// A phase's items, and how many of them a unit takes.
+uint32_t phase_items(const ReliefState& relief, ReliefPhase phase) {
+  if (phase == ReliefPhase::raise) return relief_raise_items(relief);
+  return phase <= ReliefPhase::gather ? relief_samples(relief.view) : relief_cells(relief);
+}
+uint32_t phase_unit(ReliefPhase phase) {
+  if (phase == ReliefPhase::raise) return k_relief_unit_triangles;
+  return phase <= ReliefPhase::gather ? k_relief_unit_samples : k_relief_unit_cells;
+}
+
+constexpr const char* k_units[] = {"relief.read",   "relief.gather", "relief.look",
+                                   "relief.commit", "relief.raise",  "relief.settle"};
 
 bool next(const void* handle, uint32_t, WorkUnit* unit) {
   const ReliefState& relief = static_cast<const sandglass_relief*>(handle)->relief;
-  if (relief.phase == ReliefPhase::idle) return false;
-  const uint32_t kind = static_cast<uint32_t>(relief.phase) - 1;
-  *unit = {kind, phase_unit(relief), k_units[kind]};
+  const ReliefPhase phase = phase_next(relief);
+  if (phase == ReliefPhase::idle) return false;
+  const uint32_t kind = static_cast<uint32_t>(phase) - 1;
+  *unit = {kind, phase_unit(phase), k_units[kind]};
   return true;
 }
 
@@ -116,14 +124,14 @@ void run(void* handle, uint32_t) { relief_run_unit(&static_cast<sandglass_relief
 
 uint32_t forecast(const void* handle, uint32_t, Forecast* entries) {
   const ReliefState& relief = static_cast<const sandglass_relief*>(handle)->relief;
-  if (relief.phase == ReliefPhase::idle) return 0;
+  const ReliefPhase first = phase_next(relief);
+  if (first == ReliefPhase::idle) return 0;
+  const auto last = first <= ReliefPhase::commit ? ReliefPhase::commit : ReliefPhase::settle;
   uint32_t count = 0;
-  for (uint32_t phase = static_cast<uint32_t>(relief.phase); phase <= static_cast<uint32_t>(ReliefPhase::commit);
-       ++phase) {
-    const uint32_t kind = phase - 1,
-                   items = kind <= k_relief_gather ? relief_samples(relief.view) : relief_cells(relief),
-                   done = phase == static_cast<uint32_t>(relief.phase) ? relief.cursor : 0;
-    entries[count++] = {kind, items - done, true};
+  for (auto phase = static_cast<uint32_t>(first); phase <= static_cast<uint32_t>(last); ++phase) {
+    const uint32_t items = phase_items(relief, static_cast<ReliefPhase>(phase)),
+                   done = phase == static_cast<uint32_t>(first) ? relief.cursor : 0;
+    entries[count++] = {phase - 1, items - done, true};
   }
   return count;
 }
@@ -132,15 +140,31 @@ bool under_way(const void* handle) {
   return static_cast<const sandglass_relief*>(handle)->relief.phase != ReliefPhase::idle;
 }
 
+void begin_version(ReliefState* relief, ReliefPhase phase) {
+  relief->phase = phase;
+  relief->changing = k_relief_no_cells;
+}
+
+void end_version(ReliefState* relief) {
+  relief->phase = ReliefPhase::idle;
+  relief_end_version(relief);
+}
+
 }  // namespace
 
 void relief_run_unit(ReliefState* relief) {
-  const uint32_t items = phase_items(*relief), each = phase_unit(*relief), first = relief->cursor;
+  if (relief->phase == ReliefPhase::idle && relief->raised.due) relief_begin_raise(relief);
+  if (relief->phase == ReliefPhase::raise) {
+    if (relief_raise(relief)) begin_version(relief, ReliefPhase::settle);
+    return;
+  }
+  const uint32_t items = phase_items(*relief, relief->phase), each = phase_unit(relief->phase), first = relief->cursor;
   const uint32_t end = items - first > each ? first + each : items;
   relief->cursor = end < items ? end : 0;
   const bool last = end == items;
   switch (relief->phase) {
     case ReliefPhase::idle:
+    case ReliefPhase::raise:
       return;
     case ReliefPhase::read:
       relief_read(&relief->view, *relief, first, end);
@@ -155,18 +179,17 @@ void relief_run_unit(ReliefState* relief) {
       return;
     case ReliefPhase::look:
       relief_look(*relief, first, end);
-      if (!last) return;
-      relief->phase = ReliefPhase::commit;
-      relief->changing = {{UINT32_MAX, UINT32_MAX}, {0, 0}};
+      if (last) begin_version(relief, ReliefPhase::commit);
       return;
     case ReliefPhase::commit:
       relief_commit(relief, first, end);
       relief_end_change(relief);
-      if (!last) return;
-      relief->phase = ReliefPhase::idle;
-      if (relief->changing.high[0] == 0) return;
-      relief->changed = relief->changing;
-      ++relief->version;
+      if (last) end_version(relief);
+      return;
+    case ReliefPhase::settle:
+      relief_settle(relief, first, end);
+      relief_end_change(relief);
+      if (last) end_version(relief);
       return;
   }
 }

@@ -60,6 +60,11 @@ typedef struct sandglass_relief_desc {
   uint32_t cells[2];
   /* Metres along the side of a cell, 0.005..0.05. Default: 0.01. Smaller ones than the pixels on the plane stay empty. */
   float cell;
+  /* The most meshes, 0..1024. Default: 64. */
+  uint32_t mesh_capacity;
+  /* Metres above the plane, 0.01..0.5: of meshes, what is higher is no ground: ceilings, lamps, a table above the floor.
+   * Default: 0.5. */
+  float ceiling;
 } sandglass_relief_desc;
 
 /* Fills *desc with the defaults. */
@@ -142,13 +147,46 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_relief_set_image(sa
                                                                               const sandglass_depth_image* image,
                                                                               int32_t* taken, const char** reason);
 
+/* What is known of the place from triangles, all of it: the meshes of a scanned room, of ARKit or of a headset. `meshes` are
+ * those of cast.h, where an app that has casts passes them, too; `closed` and `is_real` say nothing here.
+ *
+ * A cell gets the highest surface over its middle that is below the ceiling. What is upright has no height: walls, and what
+ * is below a table, are planes and fields (field.h). Where a mesh comes, goes, or has another pose, version or array,
+ * cells change at once by what it changes, and forget what was seen of them; depth images change them again. A pose that
+ * moves no corner by 2 mm changes nothing.
+ *
+ * The arrays are read in work units: keep them until another call leaves them out. Depth images wait meanwhile, so leave
+ * out what moves in every frame. Triangles with an index that no vertex has, or a corner that is not finite, are passed
+ * over. Fails with CAPACITY: more meshes than the description has; and with INVALID_ARGUMENT, like
+ * sandglass_cast_set_meshes. Nothing is changed then. */
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_relief_set_meshes(sandglass_relief* relief,
+                                                                               const struct sandglass_cast_mesh* meshes,
+                                                                               uint32_t count, const char** reason);
+
+/* The outline of the plane as ARCore, ARKit and WebXR tell it: rings of corners, x and z in the plane's frame, metres.
+ * `counts` are the corners of each ring, at least 3; a ring in a ring is a hole, and so on (even-odd rule). A cell whose
+ * middle is outside is gone: it has the height SANDGLASS_RELIEF_GONE, and what lies there falls. Then pass no half-space
+ * for the plane, since heights are solid below. No rings (0): no cell is gone. Takes effect at once. Fails with
+ * INVALID_ARGUMENT: a ring of less than 3 corners, more than 65,536 in all, or one that is not finite or beyond the
+ * coordinate limit. */
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_relief_set_outline(sandglass_relief* relief,
+                                                                                const float* corners,
+                                                                                const uint32_t* counts, uint32_t rings,
+                                                                                const char** reason);
+
+/* Metres: the height of a cell beyond the outline. */
+#define SANDGLASS_RELIEF_GONE (-8.0f)
+
+/* Without a scene: runs at most so many work units of images and meshes. Returns how many were run; 0: there are none. */
+SANDGLASS_API uint32_t sandglass_relief_run(sandglass_relief* relief, uint32_t units);
+
 /* The heights as they are shown now. They are stable until units are run again. */
 typedef struct sandglass_heights {
   uint32_t struct_size;
   /* Cells along x and z. */
   uint32_t cells[2];
   /* Metres above the plane, x within z: heights[z * cells[0] + x] is that at the middle of the cell. Multiples of
-   * 0.25 mm. */
+   * 0.25 mm, -0.03..0.5; SANDGLASS_RELIEF_GONE beyond the outline. */
   const float* heights;
   /* Metres along the side of a cell. */
   float cell;

@@ -389,6 +389,16 @@ class Relief : public Owned<sandglass_relief> {
   Status set_plane(const float position[3], const Rotation& rotation) {
     return call(sandglass_relief_set_plane, get(), position, rotation.data());
   }
+  // See sandglass_relief_set_meshes.
+  Status set_meshes(const sandglass_cast_mesh* meshes, uint32_t count) {
+    return call(sandglass_relief_set_meshes, get(), meshes, count);
+  }
+  // See sandglass_relief_set_outline.
+  Status set_outline(const float* corners, const uint32_t* counts, uint32_t rings) {
+    return call(sandglass_relief_set_outline, get(), corners, counts, rings);
+  }
+  // Without a scene: see sandglass_relief_run.
+  uint32_t run(uint32_t units = UINT32_MAX) { return sandglass_relief_run(get(), units); }
   // See sandglass_relief_set_image.
   Status set_image(const sandglass_depth_image& image) {
     return call(sandglass_relief_set_image, get(), &image, nullptr);

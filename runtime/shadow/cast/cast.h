@@ -16,6 +16,7 @@
 #include "runtime/frame/capability.h"
 #include "runtime/frame/layout.h"
 #include "runtime/light/light_cells.h"
+#include "runtime/math/app_mesh.h"
 #include "sandglass/cast.h"
 
 namespace sandglass {
@@ -35,7 +36,7 @@ constexpr double k_cast_ambient_slope = 1.5;       // the ambient shadow, this m
 constexpr double k_cast_still = 0.1;               // of a texel; what moves less makes no new texture
 constexpr uint32_t k_cast_layers = 8;              // at most
 constexpr uint32_t k_cast_reaches = 40;            // octaves of distance, from 2^-16 m on
-constexpr float k_cast_far = 1e6f;                 // metres; corners farther than that are left out
+constexpr float k_cast_far = k_mesh_far;           // metres; corners farther than that are left out
 
 // Kinds of work unit.
 enum : uint32_t { k_cast_gather, k_cast_draw, k_cast_calm };

@@ -1,5 +1,6 @@
 // Whether what is gathered and shown is out of date: where meshes or plane are other ones, or have moved so far that it
 // is seen.
+#include "runtime/math/app_mesh.h"
 #include "runtime/math/math.h"
 #include "runtime/shadow/cast/cast.h"
 
@@ -8,11 +9,6 @@ namespace {
 
 constexpr uint32_t k_restarts_max = 4;   // gatherings that other counts end, before a texture
 constexpr double k_finest_texel = 1e-5;  // metres
-
-bool same_arrays(const sandglass_cast_mesh& a, const sandglass_cast_mesh& b) {
-  return a.positions == b.positions && a.stride == b.stride && a.vertex_count == b.vertex_count &&
-         a.indices == b.indices && a.index_bytes == b.index_bytes && a.triangle_count == b.triangle_count;
-}
 
 // The farthest that a corner of the mesh's box moves from where it was gathered, in texels of the finest texture. Where
 // nothing is seen they have no size; rounding is less than the finest.

@@ -152,21 +152,6 @@ sandglass_status build(const sandglass_cast_desc& desc, sandglass_cast* handle, 
 
 using Maker = MakerOf<check, lay_out, build>;
 
-sandglass_status check_mesh(const sandglass_cast_mesh& mesh, const char** reason) {
-  if (mesh.triangle_count == 0) return accept(reason);
-  if (mesh.positions == nullptr) return refuse(reason, "a mesh's positions are NULL, but it has triangles.");
-  if (mesh.stride < 12 || mesh.stride % 4 != 0)
-    return refuse(reason,
-                  "a mesh's stride is not a multiple of 4, at least 12: start from sandglass_cast_mesh_default.");
-  if (mesh.index_bytes != 2 && mesh.index_bytes != 4)
-    return refuse(reason, "a mesh's index_bytes is neither 2 nor 4: start from sandglass_cast_mesh_default.");
-  if (mesh.closed > 1 || mesh.is_real > 1) return refuse(reason, "a mesh's closed or is_real is neither 0 nor 1.");
-  for (uint32_t column = 0; column < 4; ++column)
-    if (!all_within(mesh.world_from_mesh + 4 * column, 3, -k_cast_far, k_cast_far))
-      return refuse(reason, "a mesh's world_from_mesh is not finite, or beyond 1000 km.");
-  return accept(reason);
-}
-
 // Whether arrays have another length, which nothing has announced.
 bool silently_longer(const sandglass_cast_mesh& now, const sandglass_cast_mesh& before) {
   return now.positions == before.positions && now.indices == before.indices && now.version == before.version &&
@@ -181,7 +166,7 @@ __attribute__((noinline)) sandglass_status take_meshes(CastState* c, const sandg
                   "there are more meshes than desc.mesh_capacity: create a larger cast.");
   uint64_t triangles = 0;
   for (uint32_t i = 0; i < count; ++i) {
-    if (const sandglass_status status = check_mesh(meshes[i], reason)) return status;
+    if (const char* fault = mesh_fault(meshes[i])) return refuse(reason, fault);
     if (i < c->request.mesh_count && silently_longer(meshes[i], c->request.meshes[i].asked))
       return refuse(reason, "a mesh has other counts, but arrays and version are as before: give it another version.");
     triangles += meshes[i].triangle_count;

@@ -2,7 +2,7 @@
 // they are drawn. What is too far from the first mesh is taken out at the end: all share one rectangle of texels.
 #include <cstring>
 
-#include "runtime/math/finite.h"
+#include "runtime/math/app_mesh.h"
 #include "runtime/math/math.h"
 #include "runtime/shadow/cast/cast.h"
 
@@ -18,12 +18,6 @@ constexpr uint32_t k_unit_sifted = 4096;   // triangles in one unit
 uint32_t group_of(const sandglass_cast_mesh& mesh) {
   const uint32_t first = mesh.is_real != 0 ? k_cast_real_closed : k_cast_virtual_closed;
   return mesh.closed != 0 ? first : first + 1;
-}
-
-uint32_t index_at(const sandglass_cast_mesh& mesh, uint32_t i) {
-  if (mesh.indices == nullptr) return i;
-  if (mesh.index_bytes == 2) return static_cast<const uint16_t*>(mesh.indices)[i];
-  return static_cast<const uint32_t*>(mesh.indices)[i];
 }
 
 // The first part of what darkens the plane.
@@ -127,11 +121,9 @@ void emit_part(CastGathered* g, const float corners[3][3]) {
 // Reads from the newest arrays, because the app may have freed those that the mesh was begun with. False: an index that
 // no vertex has, or a corner that is not finite or too far away.
 bool corners_of(CastMesh* mesh, uint32_t triangle, const float rows[12], bool mirrored, float corners[3][3]) {
-  const sandglass_cast_mesh& arrays = mesh->asked;
   for (uint32_t i = 0; i < 3; ++i) {
-    const uint32_t index = index_at(arrays, 3 * triangle + i);
-    if (index >= arrays.vertex_count) return false;
-    const float* p = arrays.positions + uint64_t{index} * (arrays.stride / sizeof(float));
+    const float* p = mesh_corner(mesh->asked, 3ull * triangle + i);
+    if (p == nullptr) return false;
     float* out = corners[mirrored && i != 0 ? 3 - i : i];
     for (uint32_t axis = 0; axis < 3; ++axis) {
       const float* row = rows + 4 * axis;
