@@ -1,5 +1,5 @@
-// A relief of any images, poses and bytes: each is refused by a sentence and changes nothing, or it is done. Nothing is
-// read beyond the rows of an image; heights stay what a relief may have; the same comes out twice; and what is saved shows
+// A relief of any images, meshes, outlines, poses and bytes: each is refused by a sentence and changes nothing, or it is done. Nothing is
+// read beyond the rows of an image and the arrays of a mesh; heights stay what a relief may have; the same comes out twice; and what is saved shows
 // the same heights elsewhere.
 #include <cmath>
 #include <vector>
@@ -14,6 +14,7 @@ namespace {
 using sandglass::fuzz::expect;
 
 constexpr uint32_t k_turns = 4, k_side = 40;  // pixels
+constexpr uint32_t k_corners = 8, k_rings = 3, k_vertices = 9;
 
 // What is called before the images of a turn, and the image; the pointers and sizes of its rows are made right.
 struct Turn {
@@ -21,6 +22,9 @@ struct Turn {
   float position[3] = {}, rotation[4] = {0, 0, 0, 1};
   uint32_t has_confidence = 1, has_mask = 1, looks = 3, resets = 0;
   uint8_t edits[2 * sandglass::fuzz::k_edit_bytes];  // of the saved bytes
+  float corners[2 * k_corners], vertices[3 * k_vertices];
+  uint32_t rings = 1, counts[k_rings] = {5, 3, 3}, indices[3 * k_vertices];
+  sandglass_cast_mesh mesh = sandglass::cast_mesh();
 };
 struct Input {
   sandglass_relief_desc desc = sandglass::relief_desc();
@@ -50,6 +54,14 @@ Input drawn(const uint8_t* data, size_t size) {
     t.has_mask = random.below(2);
     t.has_confidence = random.below(2);
     t.resets = random.below(16) == 0 ? 1 : 0;
+    const auto near = [&random](float size) { return size * (0.001f * static_cast<float>(random.below(2000)) - 1); };
+    for (float& x : t.corners) x = near(0.4f);
+    for (float& x : t.vertices) x = near(0.4f);
+    for (uint32_t& index : t.indices) index = random.below(k_vertices);
+    t.rings = random.below(3);
+    t.mesh.triangle_count = random.below(k_vertices);
+    t.mesh.index_bytes = 2 + 2 * random.below(2);
+    t.mesh.version = random.below(3);
     for (uint8_t& byte : t.edits) byte = static_cast<uint8_t>(random.below(256));
   }
   return sandglass::fuzz::edited(input, data, size);
@@ -71,7 +83,8 @@ struct Rows {
 
 void check(const sandglass::Relief& relief) {
   const sandglass_heights h = relief.heights();
-  for (uint32_t i = 0; i < h.cells[0] * h.cells[1]; ++i) expect(h.heights[i] >= -0.031f && h.heights[i] <= 0.501f);
+  for (uint32_t i = 0; i < h.cells[0] * h.cells[1]; ++i)
+    expect((h.heights[i] >= -0.031f && h.heights[i] <= 0.501f) || h.heights[i] == SANDGLASS_RELIEF_GONE);
   for (int k = 0; k < 2; ++k) expect(h.low[k] <= h.high[k] && h.high[k] <= h.cells[k]);
   for (int k = 0; k < 3; ++k) expect(std::isfinite(h.corner[k] + h.along[k] + h.across[k] + h.up[k]));
   expect(h.depth_scale > 0.9f && h.depth_scale < 1.1f);
@@ -104,6 +117,48 @@ void show(const Turn& turn, sandglass::Random random, sandglass::Relief* reliefs
     }
     expect(status[0] == status[1] && (status[0] == SANDGLASS_OK || reliefs[0].hash() == before));
     image.timestamp_ns += image.timestamp_ns % 4;
+  }
+}
+
+// The same outline on all; meshes on two of them, unit by unit on one.
+void tell(const Turn& turn, sandglass::Relief* reliefs, sandglass::Relief* other) {
+  std::vector<uint32_t> counts(turn.counts, turn.counts + turn.rings % (k_rings + 1));
+  size_t corners = 0;
+  for (uint32_t& count : counts) corners += count %= k_corners + 1;
+  std::vector<float> outline(2 * corners);
+  for (size_t i = 0; i < outline.size(); ++i) outline[i] = turn.corners[i % std::size(turn.corners)];
+  int32_t status[3];
+  sandglass::Relief* const all[3] = {&reliefs[0], &reliefs[1], other};
+  for (int k = 0; k < 3; ++k)
+    status[k] = sandglass_relief_set_outline(all[k]->get(), outline.data(), counts.data(),
+                                             static_cast<uint32_t>(counts.size()), nullptr);
+  expect(status[0] == status[1] && status[0] == status[2]);
+
+  sandglass_cast_mesh mesh = turn.mesh;
+  mesh.vertex_count %= k_vertices + 1;
+  if (mesh.vertex_count == 0) mesh.vertex_count = k_vertices;
+  mesh.triangle_count %= k_vertices + 1;
+  mesh.stride = mesh.stride % 20 + 12;
+  const std::vector<float> positions(turn.vertices, turn.vertices + 3 * mesh.vertex_count);
+  std::vector<float> spread(static_cast<size_t>(mesh.stride) / 4 * (mesh.vertex_count - 1) + 3);
+  for (size_t i = 0; i < positions.size(); ++i) spread[i / 3 * (mesh.stride / 4) + i % 3] = positions[i];
+  std::vector<uint8_t> indices(size_t{3} * mesh.triangle_count * (mesh.index_bytes == 2 ? 2 : 4));
+  for (uint32_t i = 0; i < 3 * mesh.triangle_count; ++i)
+    std::memcpy(&indices[i * indices.size() / (3 * mesh.triangle_count)], &turn.indices[i],
+                mesh.index_bytes == 2 ? 2 : 4);
+  mesh.positions = spread.data();
+  mesh.indices = indices.data();
+  for (int k = 0; k < 2; ++k) {
+    status[k] = sandglass_relief_set_meshes(reliefs[k].get(), &mesh, 1, nullptr);
+    while (reliefs[k].run(k == 0 ? UINT32_MAX : 1) != 0) {
+    }
+  }
+  expect(status[0] == status[1]);
+  for (int k = 0; k < 2; ++k) {
+    expect(sandglass_relief_set_meshes(reliefs[k].get(), nullptr, turn.looks % 2 == 0 ? 0 : 1, nullptr) ==
+           (turn.looks % 2 == 0 ? SANDGLASS_OK : SANDGLASS_ERROR_INVALID_ARGUMENT));
+    mesh.triangle_count = 0;
+    expect(sandglass_relief_set_meshes(reliefs[k].get(), &mesh, 1, nullptr) == SANDGLASS_OK);
   }
 }
 
@@ -144,6 +199,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     expect(moved[0] == moved[1]);
     for (sandglass::Relief& relief : reliefs)
       if (turn.resets == 1) relief.reset();
+    tell(turn, reliefs, &other);
     show(turn, random, reliefs);
     random.next();
     restore_forged(turn, reliefs);

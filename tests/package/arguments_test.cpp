@@ -256,6 +256,12 @@ void Arguments::reliefs() {
   image.stride = 8;
   image.focal_x = image.focal_y = 3;
   row(NAMED(sandglass_relief_set_image), "taken", relief, &image, &taken);
+  const sandglass_cast_mesh nothing = sandglass::cast_mesh();
+  row(NAMED(sandglass_relief_set_meshes), "", relief, &nothing, 1u);
+  const float square[8] = {-1, -1, 1, -1, 1, 1, -1, 1};
+  const uint32_t corners = 4;
+  row(NAMED(sandglass_relief_set_outline), "", relief, square, &corners, 1u);
+  row(NAMED(sandglass_relief_run), "", relief, 1u);
   fills(NAMED(sandglass_relief_get_heights), relief);
   sandglass_collider collider = {};
   row(NAMED(sandglass_relief_get_collider), "", relief, &collider);

@@ -97,6 +97,35 @@ TEST(ReliefCollider, CarriesSandAndGrains) {
   }
 }
 
+// The relief alone is the table; its outline ends at x = 4 cm. The control: without an outline all stays on it.
+TEST(ReliefCollider, SandFallsOffTheOutline) {
+  const float table[] = {-0.6f, -0.6f, 0.04f, -0.6f, 0.04f, 0.6f, -0.6f, 0.6f};
+  const uint32_t corners = 4;
+  for (const bool control : {false, true}) {
+    OnRelief on(small_sand(3000));
+    on.scene.colliders.erase(on.scene.colliders.begin());
+    EXPECT_TRUE(on.relief.set_outline(table, &corners, control ? 0 : 1));
+    on.scene.add(shifted(lattice(14, 5, 10, 2.03f * k_r, k_r), -0.03f, 0.001f, -0.05f));
+    on.run(2);
+    uint32_t on_it = 0, off_it = 0, in_it = 0;
+    const std::vector<float> p = on.scene.positions();
+    for (size_t i = 0; i < p.size(); i += 3) {
+      // The edge lies within the last cell.
+      on_it += p[i] < 0.05f && p[i + 1] > 0.9f * k_r;
+      off_it += p[i + 1] < -0.05f;
+      in_it += p[i] < 0.03f && p[i + 1] < 0.8f * k_r && p[i + 1] > -1;
+    }
+    EXPECT_EQ(in_it, 0u);
+    if (control) {
+      EXPECT_EQ(off_it, 0u);
+      continue;
+    }
+    EXPECT_EQ(on_it + off_it, p.size() / 3);
+    EXPECT_GT(on_it, 150u);
+    EXPECT_GT(off_it, 150u);
+  }
+}
+
 // 8 cm rise at once under a pile. The control: beside a body that is five times as dense, sand leaves what it is in 25
 // times as fast.
 TEST(ReliefCollider, WhatRisesThrowsNothing) {

@@ -1,4 +1,4 @@
-/* Sandglass relief: the real place as a height map over a plane, from the depth images of a device.
+/* Sandglass relief: the real place as a height map over a plane, from a device's depth images, meshes and planes.
  *
  * An ideal plane knows nothing of the books and boxes on a table. A depth image does, but it has holes, noise, pixels
  * that fly between near and far, and a bias of some per cent; and the table would tremble with it. So a relief gathers
@@ -30,6 +30,9 @@
  * highest point. The height is the median of eight such looks, and of the cells around. It is shown only where it
  * differs from what was shown by 6 mm, and by half of what neighbours differ, in one to six images, the more the longer
  * the cell was still. Below 8 mm it is exactly 0. A thing that is taken away goes when the camera sees through it.
+ *
+ * What an app knows without a depth camera it tells by sandglass_relief_set_meshes, a scanned room for example, and by
+ * sandglass_relief_set_outline, where the plane ends.
  *
  * Limits. A map has one height for each cell, up to 0.5 m: what is below a shelf is as solid as the shelf. Cells of 1 cm fill cups and
  * blunt rims; things thinner than 8 mm are not seen; below the plane nothing is believed. Images that a system has

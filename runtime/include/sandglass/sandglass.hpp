@@ -249,8 +249,7 @@ class Scene : public Owned<sandglass_scene> {
   uint64_t hash() const { return sandglass_scene_hash(get()); }
 };
 
-// ----------------------------------------------------------------------------------------------------------------
-// estimate
+// ---- estimate
 
 inline sandglass_estimator_desc estimator_desc() { return filled(sandglass_estimator_desc_default); }
 inline sandglass_camera_image camera_image() { return filled(sandglass_camera_image_default); }
@@ -297,8 +296,7 @@ class Estimator : public Owned<sandglass_estimator> {
   void reset() { sandglass_estimator_reset(get()); }
 };
 
-// ----------------------------------------------------------------------------------------------------------------
-// room, relief
+// ---- room, relief
 
 inline sandglass_room_desc room_desc() { return filled(sandglass_room_desc_default); }
 
@@ -428,8 +426,7 @@ inline sandglass_collider relief_collider(const Relief& relief) {
   return c;
 }
 
-// ----------------------------------------------------------------------------------------------------------------
-// shadows
+// ---- shadows
 
 inline sandglass_shadow_desc shadow_desc(const void* asset = nullptr, uint64_t bytes = 0) {
   sandglass_shadow_desc desc = filled(sandglass_shadow_desc_default);
@@ -497,15 +494,12 @@ inline Status inspect_shadow(const void* asset, uint64_t asset_bytes, sandglass_
 // for each position; *transfer is then empty.
 inline Status shadow_transfer(const sandglass_shadow_desc& desc, Points positions, Points normals,
                               std::vector<float>* transfer) {
-  Status status;
   transfer->resize(9 * static_cast<std::size_t>(positions.count));
-  if (positions.count != normals.count) {
-    status.code = SANDGLASS_ERROR_INVALID_ARGUMENT;
-    status.reason = "positions and normals are not equally many: pass one normal for each position";
-  } else {
+  Status status = {SANDGLASS_ERROR_INVALID_ARGUMENT,
+                   "positions and normals are not equally many: pass one normal each"};
+  if (positions.count == normals.count)
     status = call(sandglass_shadow_transfer, desc.asset, desc.asset_bytes, positions.xyz, normals.xyz, positions.count,
                   transfer->data());
-  }
   if (!status) transfer->clear();
   return status;
 }
