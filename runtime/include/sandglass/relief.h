@@ -53,6 +53,9 @@
 extern "C" {
 #endif
 
+/* Triangles in arrays of the app (cast.h). */
+struct sandglass_cast_mesh;
+
 /* Heights of the real place over a plane, in a block of the app. */
 typedef struct sandglass_relief sandglass_relief;
 

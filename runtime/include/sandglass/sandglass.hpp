@@ -250,7 +250,6 @@ class Scene : public Owned<sandglass_scene> {
 };
 
 // ---- estimate
-
 inline sandglass_estimator_desc estimator_desc() { return filled(sandglass_estimator_desc_default); }
 inline sandglass_camera_image camera_image() { return filled(sandglass_camera_image_default); }
 
