@@ -54,7 +54,7 @@ Input drawn(const uint8_t* data, size_t size) {
     t.has_mask = random.below(2);
     t.has_confidence = random.below(2);
     t.resets = random.below(16) == 0 ? 1 : 0;
-    const auto near = [&random](float size) { return size * (0.001f * static_cast<float>(random.below(2000)) - 1); };
+    const auto near = [&random](float half) { return half * (0.001f * static_cast<float>(random.below(2000)) - 1); };
     for (float& x : t.corners) x = near(0.4f);
     for (float& x : t.vertices) x = near(0.4f);
     for (uint32_t& index : t.indices) index = random.below(k_vertices);
