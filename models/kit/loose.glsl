@@ -43,16 +43,20 @@ void loose_grain(uint vertex, vec4 place, vec3 way, uint number) {
     if (line) {
       // A stream bursts out of its nozzle sideways, in pulses; it is drawn as narrow as sand falls, and even.
       float pulse = 0.01;
+      vec4 nozzle = vec4(0), flows = vec4(0, 0, 0, 1);
       for (int s = 0; s < 3; ++s) {
         vec3 along = stream_ways[s].xyz, reached = place.xyz - streams[s].xyz, beside = reached - dot(reached, along) * along;
         float inside = streams[s].w > 0.0 ? (1.0 - smoothstep(k_beside, k_beside + 0.4, length(beside) / streams[s].w)) *
           smoothstep(0.5, 0.9, dot(way, along) / max(speed, 0.01)) * step(0.0, dot(reached, along)) : 0.0;
         if (inside > poured) {
-          reached = world - streams[s].xyz, beside = reached - dot(reached, along) * along;
-          poured = inside, pulse = 1.65 * particle_radius / stream_ways[s].w, up = beside - 0.15 * streams[s].w * along;
-          world -= beside * (1.0 - mix(1.0, stream_narrow * sqrt(clamp(stream_ways[s].w / max(speed, 0.1), 0.0, 1.0)), inside));
-          there *= mix(1.0, smoothstep(1.02, 1.25, speed / stream_ways[s].w), inside);  // no lid on its upper end
+          poured = inside, nozzle = streams[s], flows = stream_ways[s];
         }
+      }
+      if (poured > 0.0) {
+        vec3 reached = world - nozzle.xyz, beside = reached - dot(reached, flows.xyz) * flows.xyz;
+        pulse = 1.65 * particle_radius / flows.w, up = beside - 0.15 * nozzle.w * flows.xyz;
+        world -= beside * (1.0 - mix(1.0, stream_narrow * sqrt(clamp(flows.w / max(speed, 0.1), 0.0, 1.0)), poured));
+        there *= mix(1.0, smoothstep(1.02, 1.25, speed / flows.w), poured);  // no lid on its upper end
       }
       world += way * ((drawn(state) - 0.5) * frame_seconds + (drawn(state) - 0.5) * pulse);
       up = normalize(up);

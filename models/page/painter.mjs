@@ -449,7 +449,7 @@ export class Painter {
       // Shadows on the table say nothing of sand that stands over wood, or over other sand.
       if (this.glass) setUniforms(gl, p, { shadow_opacity: 0, pile_opacity: 0, sky_known: 0 });
     };
-    this.sand.draw(onSand, eye, 0.5 * height * projection[5]);
+    this.sand.draw(onSand, view, projection, height);
     if (this.glass) this.paintGlass(common);
     gl.disable(gl.BLEND);
   }

@@ -218,6 +218,7 @@ export class BabylonSand {
       scene,
       radius,
       chunks: [],
+      particles: [],
       buffers: [],
       first: scene.getEngine().isWebGPU === true,
     });
@@ -234,7 +235,7 @@ export class BabylonSand {
     Object.assign(this.values, kitValues(drawn), looseValues(this.radius, drawn.streams ?? []));
     if (!drawn.skin) return;
     for (const chunk of drawn.skin.chunks) this.#takeChunk(chunk);
-    looseLists(drawn.skin).forEach((particles, flies) => this.#takeLoose(flies, particles, drawn.skin));
+    looseLists(drawn.skin).forEach((particles, flies) => this.#takeLoose(flies, particles));
   }
   // What it holds of the engine.
   end() {
@@ -289,24 +290,23 @@ export class BabylonSand {
     const mesh = this.#mesh(this.#material("loose", values));
     mesh.isPickable = false; // a ray hits the mesh
     mesh.alwaysSelectAsActiveMesh = true;
-    const { Matrix, Vector3 } = this.BABYLON;
-    const [to_sand, eye] = [new Matrix(), new Vector3()];
+    const view = new this.BABYLON.Matrix();
     mesh.onBeforeRenderObservable.add(() => {
       const { scene } = this;
       const camera = scene.activeCamera;
       const engine = scene.getEngine();
-      values.pixels = 0.5 * engine.getRenderHeight() * camera.viewport.height * camera.getProjectionMatrix().m[5];
-      mesh.getWorldMatrix().invertToRef(to_sand);
-      Vector3.TransformCoordinatesToRef(camera.globalPosition, to_sand, eye);
-      mesh.subMeshes[0].indexCount = 6 * grainsNeeded(flies, this.box, eye.asArray(), values.pixels);
+      const { m } = camera.getProjectionMatrix();
+      values.pixels = 0.5 * engine.getRenderHeight() * camera.viewport.height * m[5];
+      mesh.getWorldMatrix().multiplyToRef(camera.getViewMatrix(), view);
+      mesh.subMeshes[0].indexCount = 6 * grainsNeeded(flies, this.particles[flies], view.m, m, values.pixels);
     });
     return mesh;
   }
-  #takeLoose(flies, particles, { low, high }) {
+  #takeLoose(flies, particles) {
     const { BABYLON, scene } = this;
     const mesh = this.loose[flies];
     const count = particles.length / 8;
-    this.box = { low, high };
+    this.particles[flies] = particles;
     mesh.isVisible = count > 0;
     if (!mesh.isVisible) return;
     const buffer = new BABYLON.Buffer(scene.getEngine(), particles.slice(), false, 8, false, true);

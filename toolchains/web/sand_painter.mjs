@@ -164,7 +164,7 @@ export class SandPainter {
     for (const chunk of this.chunks) chunk.count = 0;
   }
   // `changes`: of SkinChanges.
-  upload({ chunks, flying, lying, loose, low, high }) {
+  upload({ chunks, flying, lying, loose }) {
     const { gl } = this;
     for (const { number, vertices, indices } of chunks) {
       while (this.chunks.length <= number) this.chunks.push(this.newChunk()); // any may be made first
@@ -177,19 +177,19 @@ export class SandPainter {
       gl.bindVertexArray(null);
     }
     this.counts = [flying, lying];
-    this.low = low;
-    this.high = high;
+    this.particles = loose;
     gl.bindBuffer(gl.ARRAY_BUFFER, this.looseBuffer);
     gl.bufferData(gl.ARRAY_BUFFER, loose, gl.STREAM_DRAW);
   }
-  // `common(program)` sets the uniforms of view, light and shadows.
-  draw(common, eye, pixels) {
+  // `common(program)` sets the uniforms of view, light and shadows; `height`: of the picture, pixels.
+  draw(common, view, projection, height) {
     const {
       gl,
       surface,
       loose,
       counts: [flying, lying],
     } = this;
+    const pixels = 0.5 * height * Math.abs(projection[5]); // the picture may be upside down
     const own = (p) => {
       common(p);
       this.block.forEach((texture, k) => {
@@ -225,7 +225,8 @@ export class SandPainter {
       gl.vertexAttribPointer(1, 3, gl.FLOAT, false, k_loose_bytes, at + 16);
       gl.vertexAttribPointer(2, 1, gl.FLOAT, false, k_loose_bytes, at + 28);
       gl.uniform1f(loose.at("flies"), flies);
-      const grains = grainsNeeded(flies, this, eye, pixels, this.share);
+      const particles = this.particles.subarray(k_loose_words * first, k_loose_words * (first + count));
+      const grains = grainsNeeded(flies, particles, view, projection, pixels, this.share);
       gl.drawElementsInstanced(gl.TRIANGLES, 6 * grains, gl.UNSIGNED_SHORT, 0, count);
     }
     gl.bindVertexArray(null);

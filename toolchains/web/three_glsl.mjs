@@ -17,7 +17,7 @@ precision highp sampler3D;
 #include <clipping_planes_pars_vertex>
 flat out vec3 sand_eye;`;
 const k_at_end_of_vertex = `
-  sand_eye = (inverse(modelMatrix) * vec4(cameraPosition, 1)).xyz;
+  sand_eye = -inverse(mat3(view)) * view[3].xyz;
   #include <logdepthbuf_vertex>
   #include <clipping_planes_vertex>
   #include <fog_vertex>`;
@@ -68,8 +68,7 @@ void main() {
   ${k_at_end_of_fragment}
 }`;
 const k_loose_vertex = `${k_camera}${k_vertex_chunks}
-#define eye sand_eye_here
-vec3 sand_eye_here;
+#define eye sand_eye
 ${kit.uniforms}${kit.light}${kit.sand}${kit.loose}
 in vec4 sand_place;
 in vec3 sand_way;
@@ -79,7 +78,6 @@ flat out float loose_across, loose_own;
 flat out uint loose_seed;
 out vec2 loose_at;
 void main() {
-  sand_eye_here = (inverse(modelMatrix) * vec4(cameraPosition, 1)).xyz;
   loose_grain(uint(gl_VertexID), sand_place, sand_way, uint(sand_number));
   gl_Position = grain_position, loose_at = grain_at, loose_across = grain_across;
   loose_stands = grain_stands, loose_up = grain_up, loose_own = grain_own, loose_seed = grain_seed;

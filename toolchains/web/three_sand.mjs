@@ -11,7 +11,7 @@ const k_grain = 0.005; // metres that a grain may be drawn beside its particle, 
 export class ThreeSand {
   // `look`: of the renderer; `radius`: a particle's.
   constructor(THREE, look, radius) {
-    Object.assign(this, { THREE, look, radius, group: new THREE.Group(), chunks: [] });
+    Object.assign(this, { THREE, look, radius, group: new THREE.Group(), chunks: [], particles: [] });
     this.textures = new ShadowTextures(textureMaker(THREE), (name, texture) => look.set({ [name]: texture }));
     this.take(nothingDrawn);
     this.loose = [0, 1].map((flies) => this.#looseMesh(flies));
@@ -69,11 +69,11 @@ export class ThreeSand {
     const mesh = new THREE.Mesh(geometry, look.loose[flies]);
     mesh.visible = false;
     mesh.raycast = () => {}; // a ray hits the mesh
-    const eye = new THREE.Vector3();
+    const view = new THREE.Matrix4();
     const needed = (renderer, camera) => {
-      const pixels = look.pixels(renderer, camera);
-      mesh.worldToLocal(eye.setFromMatrixPosition(camera.matrixWorld));
-      return grainsNeeded(flies, this.box, eye.toArray(), pixels);
+      view.multiplyMatrices(camera.matrixWorldInverse, mesh.matrixWorld);
+      const { elements } = camera.projectionMatrix;
+      return grainsNeeded(flies, this.particles[flies], view.elements, elements, look.pixels(renderer, camera));
     };
     // WebGPURenderer calls it once for all eyes.
     mesh.onBeforeRender = (renderer, _scene, camera) => {
@@ -90,7 +90,7 @@ export class ThreeSand {
     const { geometry } = mesh;
     const count = particles.length / k_loose_words;
     mesh.visible = count > 0;
-    this.box = { low, high };
+    this.particles[flies] = particles;
     if (!mesh.visible) return;
     let buffer = geometry.attributes.position?.data;
     if (!(buffer?.count >= count)) {

@@ -238,7 +238,7 @@ export async function ofKit(name, camera, turned) {
     calls = 0;
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     depthOnly(gl, drawn.mesh, view, projection);
-    painter.draw(common, eye, 0.5 * side * camera.projectionMatrix.elements[5]);
+    painter.draw(common, view, projection, side);
     const bytes = new Uint8Array(4 * side * side);
     gl.readPixels(0, 0, side, side, gl.RGBA, gl.UNSIGNED_BYTE, bytes);
     return bytes;
