@@ -60,6 +60,24 @@ async function takesWhatIsSeen() {
     assert.deepEqual(taken(stage, object), is, object.type);
 }
 
+// A child that is turned in a stretched group is sheared: by the pose, and from its mesh, its vertices are where they are seen.
+async function takesWhatIsSheared() {
+  const stage = await threeStage();
+  const child = new THREE.Mesh(new THREE.BoxGeometry(0.1, 0.1, 0.1));
+  child.rotation.set(0.3, 0.2, 0.7);
+  const group = new THREE.Group().add(child);
+  group.scale.x = 3;
+  const pose = stage.poseOf(child);
+  const { positions } = stage.meshOf(child, pose);
+  const places = child.geometry.getAttribute("position");
+  const turn = new THREE.Quaternion(...pose.rotation).normalize();
+  for (let i = 0; i < places.count; ++i) {
+    const seen = new THREE.Vector3().fromBufferAttribute(places, i).applyMatrix4(child.matrixWorld);
+    const taken = new THREE.Vector3().fromArray(positions, 3 * i).applyQuaternion(turn);
+    assert.ok(taken.add(new THREE.Vector3(...pose.position)).distanceTo(seen) < 1e-6);
+  }
+}
+
 // The engine draws nothing here; textures are counted.
 async function babylonTakes(right) {
   const engine = new BABYLON.NullEngine();
@@ -296,6 +314,7 @@ async function answersFromWorkers() {
 }
 
 await takesWhatIsSeen();
+await takesWhatIsSheared();
 for (const right of [true, false]) await babylonTakes(right);
 await takesCameras();
 await followsWhatIsSeen();

@@ -45,6 +45,7 @@ class BabylonStage extends Engine {
     const position = new Vector3();
     const rotation = new Quaternion();
     object.computeWorldMatrix(true).decompose(new Vector3(), rotation, position);
+    rotation.normalize(); // of what is sheared it has another length
     return {
       position: this.mirrored(position.asArray()),
       rotation: [this.z * rotation.x, this.z * rotation.y, rotation.z, rotation.w],

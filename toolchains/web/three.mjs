@@ -52,6 +52,7 @@ class ThreeStage extends Engine {
     const rotation = new Quaternion();
     object.updateWorldMatrix(true, false);
     object.matrixWorld.decompose(position, rotation, new Vector3());
+    rotation.normalize(); // of what is sheared it has another length
     return { position: position.toArray(), rotation: rotation.toArray() };
   }
   isShown(object) {
