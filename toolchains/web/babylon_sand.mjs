@@ -218,6 +218,7 @@ export class BabylonSand {
       scene,
       radius,
       chunks: [],
+      loose: [],
       particles: [],
       buffers: [],
       first: scene.getEngine().isWebGPU === true,
@@ -233,9 +234,16 @@ export class BabylonSand {
   take(drawn) {
     showOnSand(this.textures, drawn);
     Object.assign(this.values, kitValues(drawn), looseValues(this.radius, drawn.streams ?? []));
+    this.#takeDepth();
     if (!drawn.skin) return;
     for (const chunk of drawn.skin.chunks) this.#takeChunk(chunk);
     looseLists(drawn.skin).forEach((particles, flies) => this.#takeLoose(flies, particles));
+  }
+  // Depth is logarithmic where materials of the scene say so.
+  #takeDepth() {
+    const of_sand = (one) => one.pluginManager?.getPlugin("SandglassSand");
+    const is = this.scene.materials.some((one) => one.useLogarithmicDepth && !of_sand(one));
+    for (const one of [this.surface, ...this.loose.map((mesh) => mesh.material)]) one.useLogarithmicDepth = is;
   }
   // What it holds of the engine.
   end() {

@@ -35,7 +35,7 @@ export interface EngineStage {
   update(seconds?: number): void;
   dispose(): void;
 }
-/** three.js needs `renderer`: a WebGLRenderer of r160 or newer, or a WebGPURenderer of r184 or newer. With `worker`, the stage runs in a Worker. */
+/** three.js needs `renderer`: a WebGLRenderer of r160 or newer, or a WebGPURenderer of r184 or newer. With `worker`, the stage runs in a Worker. WebXR by WebGPU, and multiview, are untried. */
 export declare function createStage(
   engine: object,
   options: StageOptions & { scene: object; renderer?: object; worker?: boolean },
