@@ -41,7 +41,7 @@ HTMLCanvasElement.prototype.getContext = function (kind, ...more) {{
   if (kind === wanted) throw new Error(`this page gives no context of ${{kind}}`);
   return own.call(this, kind, ...more);
 }};
-globalThis.renderers = {{ ...(await import("/renderers/renderers.mjs")), ...(await import("/renderers/views.mjs")) }};
+globalThis.renderers = {{ ...(await import("/renderers/renderers.mjs")), ...(await import("/renderers/views.mjs")), ...(await import("/renderers/rounds.mjs")) }};
 globalThis.ready = true;
 </script>"""
 
@@ -140,14 +140,37 @@ def as_a_mesh(page, kind):
     alone, *counts = counted("alone", *shares)
     for (name, share), seen in zip(shares.items(), counts):
         check(abs(seen - share * alone) <= 0.02 * alone, f"{kind}, {name}: {seen} pixels of sand, {alone} alone")
+    one, two, both = page.ask(f"twoStages({json.dumps(kind)})")
+    check(min(one, two) > 500 and both == one + two, f"{kind}: {one} pixels are sand of one stage, {two} of another, {both} of both")
+    share = page.ask(f"casts({json.dumps(kind)})")
+    check(share > 0.05, f"{kind}: on a floor a shadow of three's own light changes {share:.0%}")
+    # The last: once one renderer has reversed depth, three draws nothing by others of the page.
     for depth in ("logarithmicDepthBuffer", "reversedDepthBuffer"):
         seen, hidden = counted("alone", "a wall before it", **{depth: True})
         check(abs(seen - alone) < 0.02 * alone and hidden == 0, f"{kind}, {depth}: {seen} pixels of sand, {hidden} behind a wall")
     found = page.ask(f"hit({json.dumps(kind)})")
     check(found["beside"] < found["radius"], f"{kind}: a ray ends {found['beside']:.4f} m from sand whose radius is {found['radius']:.4f}")
     check(found["outside"] == 0, f"{kind}: {found['outside']} of the sand's vertices are outside of its box")
-    counts = page.ask(f"left({json.dumps(kind)})")
-    check(counts[-1] == counts[1], f"{kind}: textures and geometries after rounds of stages are {counts}")
+
+
+def rounds(page, engine, kind):
+    found = page.ask(f"left({json.dumps(engine)}, {json.dumps(kind)})")
+    counts, within = found["counts"], found["within"]
+    check(counts[-1] == counts[1] != within, f"{engine}, {kind}: after 2 of 10 stages it holds {counts[1]}, at last {counts[-1]}")
+
+
+def babylon_depth(page, kind):
+    for way in ("plain", "reversed", "logarithmic"):
+        hidden, seen, alone = page.ask(f"babylonDepth({json.dumps(kind)}, {json.dumps(way)})")
+        right = alone > 1000 and hidden == 0 and abs(seen - alone) < 0.02 * alone
+        check(right, f"babylon, {kind}, {way} depth: {alone} pixels of sand, {seen} before a wall, {hidden} behind one")
+
+
+def floors(page, kind):
+    clipped, alone = page.ask(f"counted({json.dumps(kind)}, ['half clipped', 'alone'])")
+    check(0.1 * alone < clipped < 0.9 * alone, f"{kind}, half clipped: {clipped} of {alone} pixels of sand")
+    found = page.ask(f"floors({json.dumps(kind)})")
+    check(found["floor"] > 1000 and max(found["twice"], found["instanced"], found["batched"]) < 0.01, f"{kind}, floors: {found}")
 
 
 def views(page, kind):
@@ -185,11 +208,7 @@ def babylon_mesh(page, kind):
         check(0.02 < share, f"babylon, {kind}, {name}: {share:.1%} of the picture is another")
 
 
-def patched(page):
-    clipped, alone = page.ask("counted('webgl', ['half clipped', 'alone'])")
-    check(0.1 * alone < clipped < 0.9 * alone, f"half clipped: {clipped} of {alone} pixels of sand")
-    found = page.ask("floors()")
-    check(found["floor"] > 1000 and max(found["twice"], found["instanced"], found["batched"]) < 0.01, f"floors: {found}")
+def restored(page):
     for engine, lost in (("three", page.ask("lost()")), ("babylon", page.ask("babylonLost()"))):
         same = lost["sand"] > 1000 and lost["over"] < SHARE and lost["error"] == 0
         check(same, f"{engine}, a lost context: {lost['over']:.3%} of {lost['sand']} pixels are others after it")
@@ -260,9 +279,13 @@ def main(arguments):
     if arguments[2:] == ["--all"]:
         with Page(address) as page:
             babylon_mesh(page, "webgl")
+            for engine, kind in (("three", "webgl"), ("three", "nodes on webgl"), ("babylon", "webgl")):
+                rounds(page, engine, kind)
         with Page(address + "?without=webgl2") as page:
             views(page, "nodes")
             babylon_mesh(page, "nodes")
+            for engine in ("three", "babylon"):
+                rounds(page, engine, "nodes")
             readme(page, folder)
         versions(npm, work)
         return 1 if check.wrong else 0
@@ -271,8 +294,10 @@ def main(arguments):
         same_picture(page, folder, "three", "nodes on webgl", ())
         same_picture(page, folder, "babylon", "webgl")
         as_a_mesh(page, "webgl")
-        patched(page)
+        restored(page)
+        babylon_depth(page, "webgl")
         for kind in ("webgl", "nodes on webgl"):
+            floors(page, kind)
             raised(page, kind)
             views(page, kind)
             glass(page, kind)
@@ -282,8 +307,10 @@ def main(arguments):
         same_picture(page, folder, "three", "nodes")
         raised(page, "nodes")
         same_picture(page, folder, "babylon", "nodes")
+        babylon_depth(page, "nodes")
+        floors(page, "nodes")
         glass(page, "nodes")
-        as_a_mesh(page, "nodes")  # the last: once one renderer has reversed depth, three draws nothing by others of the page
+        as_a_mesh(page, "nodes")
         before = page.ask("light()")
     from_one_source(folder, address, before)
     return 1 if check.wrong else 0

@@ -175,7 +175,32 @@ const k_looks = {
     group.traverse((one) => one.layers.set(2));
   },
   invisible: ({ group, ball }) => (group.visible = ball.visible = false),
+  // What lies or flies alone has no triangles but in its own material.
+  "an override material": ({ scene, stage, THREE }) => {
+    for (const one of stage.sand.loose) one.layers.set(2);
+    scene.overrideMaterial = new THREE.MeshBasicMaterial({ color: 0x802020 });
+  },
+  "Display P3, ACES tones": async ({ renderer, THREE }) => {
+    const { DisplayP3ColorSpace, DisplayP3ColorSpaceImpl } = await import("three/addons/math/ColorSpaces.js");
+    THREE.ColorManagement.define({ [DisplayP3ColorSpace]: DisplayP3ColorSpaceImpl });
+    Object.assign(renderer, { outputColorSpace: DisplayP3ColorSpace, toneMapping: THREE.ACESFilmicToneMapping });
+  },
 };
+// By WebGLRenderer's own composer: GTAO asks for normals by a material of its own.
+async function byComposer({ renderer, scene, camera, canvas, THREE }) {
+  const from = (name) => import(`three/addons/postprocessing/${name}.js`);
+  const [{ EffectComposer }, { RenderPass }, { GTAOPass }, { OutputPass }] = await Promise.all(
+    ["EffectComposer", "RenderPass", "GTAOPass", "OutputPass"].map(from),
+  );
+  const composer = new EffectComposer(renderer);
+  for (const pass of [new RenderPass(scene, camera), new GTAOPass(scene, camera, side, side), new OutputPass()])
+    composer.addPass(pass);
+  Object.assign(renderer, { toneMapping: THREE.ACESFilmicToneMapping, toneMappingExposure: 0.5 });
+  return () => {
+    composer.render();
+    return frame.shown(canvas);
+  };
+}
 export async function besideABall(kind) {
   const made = await threeScene(kind);
   const { THREE, scene, renderer, look } = made;
@@ -188,13 +213,15 @@ export async function besideABall(kind) {
   ["r", "g", "b"].forEach((name, k) => (ball.material.color[name] *= (sand[k] / own[k]) ** 2.2));
   plain = await look();
   const found = {};
-  for (const [name, change] of Object.entries(k_looks)) {
-    change({ ...made, ball });
+  const looks = { ...k_looks, ...(kind === "webgl" ? { "a composer, GTAO, ACES tones": byComposer } : {}) };
+  for (const [name, change] of Object.entries(looks)) {
+    const own = await change({ ...made, ball });
     if (name.includes("tones") && kind === "webgl")
       scene.traverse((one) => one.material && (one.material.needsUpdate = true));
-    found[name] = means(await look(), plain);
-    renderer.toneMapping = THREE.NoToneMapping;
-    scene.fog = null;
+    const seen = await (typeof own === "function" ? own : look)();
+    found[name] = means(seen, name.includes("override") ? seen : plain);
+    Object.assign(renderer, { toneMapping: THREE.NoToneMapping, outputColorSpace: THREE.SRGBColorSpace });
+    Object.assign(scene, { fog: null, overrideMaterial: null });
     made.camera.layers.set(0);
     made.group.traverse((one) => one.layers.set(0));
     ball.layers.set(0);
@@ -249,8 +276,11 @@ const k_scenes = {
     wall.position.set(0.08, 0.25, 0.45);
     scene.add(wall);
   },
-  "half clipped": ({ renderer, THREE }) =>
-    (renderer.clippingPlanes = [new THREE.Plane(new THREE.Vector3(0, -1, 0), 0.04)]),
+  "half clipped": ({ renderer, scene, group, THREE }) => {
+    const clippingPlanes = [new THREE.Plane(new THREE.Vector3(0, -1, 0), 0.04)];
+    if (renderer.isWebGLRenderer) Object.assign(renderer, { clippingPlanes });
+    else scene.add(Object.assign(new THREE.ClippingGroup(), { clippingPlanes }).add(group));
+  },
 };
 export async function counted(kind, names, options) {
   const made = await threeScene(kind, { renderer: options });
@@ -261,6 +291,7 @@ export async function counted(kind, names, options) {
   for (const name of names) {
     k_scenes[name](made);
     found.push(count(await made.look()));
+    scene.add(group);
     for (const one of [...scene.children]) if (!before.has(one)) one.removeFromParent();
     group.position.set(0, 0, 0);
     renderer.setViewport(0, 0, side, side);
@@ -269,6 +300,51 @@ export async function counted(kind, names, options) {
   }
   done(renderer);
   return found;
+}
+
+// Sand of one stage, of another beside it, and of both, in pixels.
+export async function twoStages(kind) {
+  const { THREE, renderer, scene, group, look } = await threeScene(kind);
+  scene.background = new THREE.Color(k_background);
+  const other = await createStage(THREE, { renderer, scene });
+  other.stage = frame.replay(await frame.recorded());
+  const groups = [group, await other.createSand()];
+  other.update(1 / 60);
+  groups.forEach((one, k) => {
+    one.scale.setScalar(0.4);
+    one.position.x = k ? 0.1 : -0.1;
+  });
+  const found = [];
+  for (const seen of [
+    [true, false],
+    [false, true],
+    [true, true],
+  ]) {
+    groups.forEach((one, k) => (one.visible = seen[k]));
+    found.push(count(await look()));
+  }
+  done(renderer);
+  return found;
+}
+
+// Which share of a floor the sand's shadow changes that three's own light throws.
+export async function casts(kind) {
+  const { THREE, renderer, scene, stage, group, look } = await threeScene(kind);
+  renderer.shadowMap.enabled = true;
+  stage.sun.visible = stage.probe.visible = false;
+  const floor = new THREE.Mesh(new THREE.PlaneGeometry(3, 3).rotateX(-Math.PI / 2), new THREE.MeshStandardMaterial());
+  const sun = Object.assign(new THREE.DirectionalLight(), { castShadow: true });
+  sun.position.set(1, 1, 0.3);
+  Object.assign(sun.shadow.camera, { left: -0.5, right: 0.5, top: 0.5, bottom: -0.5 });
+  Object.assign(floor, { receiveShadow: true }).position.y = -0.05;
+  scene.add(floor, sun, sun.target);
+  const seen = [];
+  for (const castShadow of [false, true]) {
+    group.traverse((one) => (one.castShadow = castShadow));
+    seen.push(await look());
+  }
+  done(renderer);
+  return frame.difference(...seen).over;
 }
 
 // How far from a vertex of the sand a ray from the eye ends, and how many vertices lie outside of its box.
@@ -294,34 +370,6 @@ export async function hit(kind) {
   return { beside, outside, radius };
 }
 
-// What is left after rounds of stages: textures and geometries of the renderer.
-export async function left(kind) {
-  const { THREE, renderer, camera } = await threeScene(kind);
-  const drawn = await frame.recorded();
-  const counts = [];
-  for (let i = 0; i < 3; ++i) {
-    const scene = new THREE.Scene();
-    const floor = new THREE.Mesh(new THREE.PlaneGeometry(2, 2), new THREE.MeshStandardMaterial());
-    scene.add(floor);
-    const stage = await createStage(THREE, { renderer, scene });
-    stage.stage = frame.replay(drawn);
-    stage.receive(floor.material);
-    stage.receive(floor.material);
-    await stage.createSand();
-    await stage.createSand();
-    stage.update(1 / 60);
-    renderer.render(scene, camera);
-    stage.dispose();
-    renderer.render(scene, camera);
-    floor.geometry.dispose();
-    floor.material.dispose();
-    renderer.render(new THREE.Scene(), camera);
-    counts.push([renderer.info.memory.textures, renderer.info.memory.geometries]);
-  }
-  done(renderer);
-  return counts;
-}
-
 // Sand after its context was lost and came back; under Babylon.js on a floor that receives shadows.
 export async function lost() {
   const { renderer, look, canvas } = await threeScene("webgl");
@@ -340,7 +388,7 @@ export async function babylonLost() {
   engine.dispose();
   return { ...found, shadow: frame.difference(bare, before).over };
 }
-async function shown(scene, look) {
+export async function shown(scene, look) {
   await scene.whenReadyAsync();
   return look();
 }
@@ -364,21 +412,21 @@ async function backAgain(look, canvas, gl, back) {
 }
 
 // A floor of tiles, instanced, is lit as one floor is, a floor that received twice as one that did once.
-export async function floors() {
+export async function floors(kind) {
   const seen = {};
-  for (const kind of ["one", "twice", "instanced", "batched"]) {
-    const { THREE, scene, stage, look, renderer, group } = await threeScene("webgl");
+  for (const way of ["one", "twice", "instanced", "batched"]) {
+    const { THREE, scene, stage, look, renderer, group } = await threeScene(kind);
     const material = new THREE.MeshStandardMaterial({ roughness: 1 });
     stage.receive(material);
-    if (kind === "twice") stage.receive(material);
-    scene.add(floorOf(THREE, kind, material));
+    if (way === "twice") stage.receive(material);
+    scene.add(floorOf(THREE, way, material));
     stage.update(1 / 60);
     group.visible = false;
-    seen[kind] = await look();
+    seen[way] = await look();
     done(renderer);
   }
-  const [{ over: twice }, { over: instanced }, { over: batched }] = ["twice", "instanced", "batched"].map((kind) =>
-    frame.difference(seen.one, seen[kind]),
+  const [{ over: twice }, { over: instanced }, { over: batched }] = ["twice", "instanced", "batched"].map((way) =>
+    frame.difference(seen.one, seen[way]),
   );
   return { twice, instanced, batched, floor: frame.difference(seen.one, new Uint8Array(seen.one.length)).sand };
 }

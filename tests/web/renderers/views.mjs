@@ -273,3 +273,28 @@ export async function babylonMesh(kind, left) {
   engine.dispose();
   return { beside, changed, radius: stage.drawn.radius };
 }
+// How many pixels are sand of Babylon.js where materials have this depth: behind a wall, before it, and alone. The wall is small, as in
+// logarithmic depth the engine draws no triangle that reaches behind the eye.
+export async function babylonDepth(kind, way) {
+  const { BABYLON, engine, scene, stage, look, occluder } = await babylonScene(kind, false);
+  engine.useReverseDepthBuffer = way === "reversed";
+  occluder.setEnabled(false);
+  const wall = BABYLON.CreatePlane("", { size: 0.3, sideOrientation: 2 }, scene);
+  wall.material = Object.assign(new BABYLON.PBRMaterial("", scene), {
+    unlit: true,
+    albedoColor: BABYLON.Color3.Black(),
+    useLogarithmicDepth: way === "logarithmic",
+  });
+  stage.update(1 / 60);
+  const seen = [];
+  for (const z of [0.3, -0.4, 20]) {
+    wall.position.set(0.12, 0.22, z);
+    wall.scaling.setAll(z < 0 ? 6 : 1);
+    await scene.whenReadyAsync();
+    await look();
+    const bytes = await look();
+    seen.push(difference(bytes, new Uint8Array(bytes.length)).sand);
+  }
+  engine.dispose();
+  return seen;
+}
