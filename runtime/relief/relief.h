@@ -143,7 +143,7 @@ inline FieldGrid relief_grid(const ReliefState& r) {
 
 // Half the sides of a box, in the plane's frame, that holds what may stand on it.
 inline float relief_reach(const ReliefState& r, int axis) {
-  const float across = 0.5f * r.desc.cell * static_cast<float>(r.desc.cells[axis / 2] + 1);
+  const float across = 0.5f * r.desc.cell * static_cast<float>(r.desc.cells[axis == 0 ? 0 : 1] + 1);
   return axis == 1 ? k_relief_unit * k_relief_highest : across;
 }
 
