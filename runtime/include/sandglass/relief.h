@@ -6,7 +6,7 @@
  *
  * An app
  *
- *     sandglass::Relief relief;                                     // once; 0.7 megabytes
+ *     sandglass::Relief relief;                                     // once; 0.8 megabytes
  *     sandglass::Status status = relief.create();
  *
  *     status = relief.set_plane(anchor.position, anchor.rotation);  // whenever the tracker has moved the plane

@@ -149,6 +149,61 @@ double Table::depth(Vec3 from, Vec3 direction, const TableState& state) const {
   return meeting.depth < 4 ? meeting.depth : 0;
 }
 
+namespace {
+
+struct Scan {
+  std::vector<float> corners;
+  void square(const Vec3 (&at)[4]) {
+    for (const int i : {0, 1, 2, 0, 2, 3})
+      for (const double x : {at[i].x, at[i].y, at[i].z}) corners.push_back(static_cast<float>(x));
+  }
+  void level(double y, double half_x, double half_z) {
+    square({{-half_x, y, -half_z}, {half_x, y, -half_z}, {half_x, y, half_z}, {-half_x, y, half_z}});
+  }
+  // Between two rings about an axis: a wall, a rim, or a disc where one has no radius.
+  void rings(Vec3 middle, const double (&radius)[2], const double (&height)[2]) {
+    constexpr int k_sides = 96;
+    const auto at = [&](int i, int end) {
+      const double angle = 2 * std::numbers::pi * i / k_sides;
+      return Vec3{middle.x + radius[end] * std::cos(angle), height[end], middle.z + radius[end] * std::sin(angle)};
+    };
+    for (int i = 0; i < k_sides; ++i) square({at(i, 0), at(i + 1, 0), at(i + 1, 1), at(i, 1)});
+  }
+  void box(const Thing& thing) {
+    const auto at = [&](int corner, double y) {
+      const Vec3 local = {(corner == 0 || corner == 3 ? -1 : 1) * thing.half.x, 0,
+                          (corner < 2 ? -1 : 1) * thing.half.z};
+      const Vec3 p = turned(local, -thing.yaw) + thing.low_middle;
+      return Vec3{p.x, y, p.z};
+    };
+    const double low = thing.low_middle.y, top = thing.top();
+    for (const double y : {low, top}) square({at(0, y), at(1, y), at(2, y), at(3, y)});
+    for (int i = 0; i < 4; ++i) square({at(i, low), at((i + 1) % 4, low), at((i + 1) % 4, top), at(i, top)});
+  }
+};
+
+}  // namespace
+
+std::vector<float> Table::triangles() const {
+  Scan scan;
+  scan.level(0, k_table[0], k_table[1]);
+  scan.level(k_floor, 2, 2);
+  scan.level(2.4, 2, 2);
+  scan.box(box_thing({0, 0.55, 0}, {0.2, 0.1, 0.2}));  // the lamp
+  for (const Thing& thing : things) {
+    const double low = thing.low_middle.y, top = thing.top();
+    if (thing.is_box) {
+      scan.box(thing);
+      continue;
+    }
+    scan.rings(thing.low_middle, {thing.radius, thing.radius}, {low, top});
+    scan.rings(thing.low_middle, {thing.radius, thing.hole}, {top, top});
+    scan.rings(thing.low_middle, {thing.hole, thing.hole}, {top, thing.inside});
+    scan.rings(thing.low_middle, {thing.hole, 0}, {thing.inside, thing.inside});
+  }
+  return scan.corners;
+}
+
 Table usual_table() {
   Table table;
   table.things = {box_thing({-0.25, 0, 0.15}, {0.12, 0.015, 0.085}, 0.35),      // a book of 3 cm

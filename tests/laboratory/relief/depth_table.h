@@ -37,6 +37,9 @@ struct Table {
   double height(double x, double z, const TableState& state) const;
   // The depth that a ray sees, in units of its direction; 0: nothing.
   double depth(Vec3 from, Vec3 direction, const TableState& state) const;
+  // What a scan of the room knows: corners of triangles, x y z each, of the table, the floor and what always is. A lamp
+  // hangs over it from a ceiling.
+  std::vector<float> triangles() const;
 };
 constexpr double k_floor = -0.72;            // metres below the table
 constexpr double k_table[2] = {0.60, 0.42};  // half its sides

@@ -204,6 +204,31 @@ bool add_sand_controls(const DepthRecording& recording, const char* name, const 
   return go_on();
 }
 
+// From a scan of the room, that stands so many metres above where it is.
+Known from_mesh(const Table& table, double above) {
+  const std::vector<float> corners = table.triangles();
+  sandglass_cast_mesh mesh = cpp::cast_mesh();
+  mesh.positions = corners.data();
+  mesh.vertex_count = static_cast<uint32_t>(corners.size() / 3);
+  mesh.triangle_count = mesh.vertex_count / 3;
+  mesh.world_from_mesh[13] = static_cast<float>(above);
+  cpp::Relief relief;
+  Known known;
+  if (!relief.create() || !relief.set_meshes(&mesh, 1)) return {k_never, k_never, k_never};
+  relief.run();
+  measure(table, relief.heights(), {}, &known);
+  return known;
+}
+
+void add_mesh(const Table& table, Rows* rows) {
+  constexpr double k_interior = 1, k_above = 0.004;
+  const Known known = from_mesh(table, 0);
+  rows->add("mesh", "interior, P95", "mm", 0, known.interior, k_interior);
+  rows->add("mesh", "hovers", "% of cells", 0, known.hovers, 1.5);
+  rows->add("mesh", "leaks", "% of things", 0, known.leaks, 4);
+  rows->add("mesh", "control: 4 mm above, interior", "mm", 0, from_mesh(table, k_above).interior, k_interior, true);
+}
+
 }  // namespace
 
 uint64_t relief_recordings(uint32_t seeds) { return (3 + 2 * 3) * seeds + 2 + 3 + 1 + 2; }
@@ -215,6 +240,7 @@ std::vector<Verdict> relief_verdicts(uint32_t seeds, const std::function<bool()>
   (void)sandglass_relief_bytes(&desc, &bytes, nullptr);
   rows.add("memory", "128 x 128 cells", "bytes", 0, static_cast<double>(bytes), 1 << 20);
   const Table table = usual_table();
+  add_mesh(table, &rows);
   for (const auto& [kind, name] : k_kinds) {
     const DepthRecording recording = record_depth(kind, table, k_seconds);
     std::vector<Known> all;
