@@ -24,7 +24,7 @@ for name in ("particles", "particle_velocities", "grains", "grain_velocities"):
     data = base64.b64decode(scene[name])
     lines.append(f"const float k_{name}[] = {literal(struct.unpack(f'<{len(data) // 4}f', data))};")
 colliders = [
-    "{" + ", ".join(literal(c[part]) for part in ("shape", "position", "rotation", "size")) + ", {}, {}, 0, nullptr, 0}"
+    "{" + ", ".join(literal(c[part]) for part in ("shape", "position", "rotation", "size")) + ", {}, {}, 0, nullptr, 0, nullptr}"
     for c in scene["colliders"]
 ]
 lines.append("const sandglass_collider k_colliders[] = {" + ", ".join(colliders) + "};")
