@@ -121,7 +121,7 @@ void show(const Turn& turn, sandglass::Random random, sandglass::Relief* reliefs
 }
 
 // The same outline on all; meshes on two of them, unit by unit on one.
-void tell(const Turn& turn, sandglass::Relief* reliefs, sandglass::Relief* other) {
+void tell(const Turn& turn, bool has_room, sandglass::Relief* reliefs, sandglass::Relief* other) {
   std::vector<uint32_t> counts(turn.counts, turn.counts + turn.rings % (k_rings + 1));
   size_t corners = 0;
   for (uint32_t& count : counts) corners += count %= k_corners + 1;
@@ -158,7 +158,7 @@ void tell(const Turn& turn, sandglass::Relief* reliefs, sandglass::Relief* other
     expect(sandglass_relief_set_meshes(reliefs[k].get(), nullptr, turn.looks % 2 == 0 ? 0 : 1, nullptr) ==
            (turn.looks % 2 == 0 ? SANDGLASS_OK : SANDGLASS_ERROR_INVALID_ARGUMENT));
     mesh.triangle_count = 0;
-    expect(sandglass_relief_set_meshes(reliefs[k].get(), &mesh, 1, nullptr) == SANDGLASS_OK);
+    expect((sandglass_relief_set_meshes(reliefs[k].get(), &mesh, 1, nullptr) == SANDGLASS_OK) == has_room);
   }
 }
 
@@ -187,6 +187,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   Input input = drawn(data, size);
   input.desc.struct_size = sizeof input.desc;
   for (uint32_t& cells : input.desc.cells) cells %= 257;
+  input.desc.mesh_capacity %= 3;
   sandglass::Relief reliefs[2], other;
   for (sandglass::Relief& relief : reliefs)
     if (!relief.create(input.desc)) return 0;
@@ -199,7 +200,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     expect(moved[0] == moved[1]);
     for (sandglass::Relief& relief : reliefs)
       if (turn.resets == 1) relief.reset();
-    tell(turn, reliefs, &other);
+    tell(turn, input.desc.mesh_capacity != 0, reliefs, &other);
     show(turn, random, reliefs);
     random.next();
     restore_forged(turn, reliefs);
