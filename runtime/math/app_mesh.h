@@ -37,4 +37,18 @@ inline const float* mesh_corner(const sandglass_cast_mesh& mesh, uint64_t i) {
   return vertex < mesh.vertex_count ? mesh.positions + uint64_t{vertex} * (mesh.stride / sizeof(float)) : nullptr;
 }
 
+// From a mesh's frame into one with these axes and this origin, all of the world: three rows of four.
+inline void place_mesh(const double axes[3][3], const double origin[3], const float world_from_mesh[16],
+                       double rows[12]) {
+  for (uint32_t axis = 0; axis < 3; ++axis)
+    for (uint32_t column = 0; column < 4; ++column) {
+      double sum = 0;
+      for (uint32_t k = 0; k < 3; ++k) {
+        const double entry = static_cast<double>(world_from_mesh[4 * column + k]);
+        sum += axes[axis][k] * (column == 3 ? entry - origin[k] : entry);
+      }
+      rows[4 * axis + column] = sum;
+    }
+}
+
 }  // namespace sandglass

@@ -18,24 +18,21 @@ constexpr float k_edge = 1e-3f;
 constexpr float k_upright = 1e-3f;  // cells; a triangle that covers less is upright, and has no top
 constexpr double k_still = 0.002;   // metres; what moves less is where it was
 
-// From a mesh's frame into the plane's: three rows of four.
-void place_mesh(const ReliefState& relief, const float world_from_mesh[16], double rows[12]) {
+// From a mesh's frame into the plane's.
+void find_rows(const ReliefState& relief, const float world_from_mesh[16], double rows[12]) {
   Rotation plane = {};
   rotation_of(relief.rotation, &plane);
-  for (int axis = 0; axis < 3; ++axis)
-    for (int column = 0; column < 4; ++column) {
-      double sum = 0;
-      for (int k = 0; k < 3; ++k) {
-        const double entry = static_cast<double>(world_from_mesh[4 * column + k]);
-        sum += plane.m[k][axis] * (column == 3 ? entry - static_cast<double>(relief.position[k]) : entry);
-      }
-      rows[4 * axis + column] = sum;
-    }
+  double axes[3][3], origin[3];
+  for (int k = 0; k < 3; ++k) {
+    for (int axis = 0; axis < 3; ++axis) axes[axis][k] = plane.m[k][axis];
+    origin[k] = static_cast<double>(relief.position[k]);
+  }
+  place_mesh(axes, origin, world_from_mesh, rows);
 }
 
 bool has_moved(const ReliefState& relief, const ReliefMesh& mesh) {
   double now[12];
-  place_mesh(relief, mesh.asked.world_from_mesh, now);
+  find_rows(relief, mesh.asked.world_from_mesh, now);
   for (int axis = 0; axis < 3; ++axis) {
     const double *a = now + 4 * axis, *b = mesh.rows + 4 * axis;
     double move = __builtin_fabs(a[3] - b[3]);
@@ -147,7 +144,7 @@ void begin_raise(ReliefState* relief) {
   r->due = false;
   r->mesh = r->triangle = r->row = 0;
   for (uint32_t i = 0; i < r->count; ++i) {
-    place_mesh(*relief, r->meshes[i].asked.world_from_mesh, r->meshes[i].rows);
+    find_rows(*relief, r->meshes[i].asked.world_from_mesh, r->meshes[i].rows);
     r->meshes[i].reach = 0;
   }
   const uint32_t cells = relief_cells(*relief);
@@ -216,6 +213,7 @@ __attribute__((noinline)) static sandglass_status take_meshes(ReliefState* relie
     ReliefMesh* mesh = &r->meshes[i];
     const bool known = i < r->count && same_arrays(mesh->asked, meshes[i]) && mesh->asked.version == meshes[i].version;
     mesh->asked = meshes[i];
+    if (!known) find_rows(*relief, mesh->asked.world_from_mesh, mesh->rows);  // a raise may be under way
     r->due = r->due || !known || has_moved(*relief, *mesh);
   }
   r->count = count;

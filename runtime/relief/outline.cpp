@@ -8,7 +8,7 @@
 namespace sandglass {
 namespace {
 
-constexpr uint64_t k_corners_max = 65536;
+constexpr uint64_t k_corners_max = 4096;  // each is asked once for each row of cells
 
 const char* outline_fault(const float* corners, const uint32_t* counts, uint32_t rings) {
   if (rings != 0 && (corners == nullptr || counts == nullptr)) return "corners or counts is NULL: pass both.";
@@ -16,7 +16,7 @@ const char* outline_fault(const float* corners, const uint32_t* counts, uint32_t
   for (uint32_t i = 0; i < rings; ++i) {
     if (counts[i] < 3) return "a ring has fewer than 3 corners.";
     all += counts[i];
-    if (all > k_corners_max) return "the outline has more than 65536 corners: pass a coarser one.";
+    if (all > k_corners_max) return "the outline has more than 4096 corners: pass a coarser one.";
   }
   for (uint64_t i = 0; i < 2 * all; ++i)
     if (!within(corners[i], -SANDGLASS_COORDINATE_LIMIT, SANDGLASS_COORDINATE_LIMIT))

@@ -163,8 +163,8 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_relief_set_image(sa
  *
  * The arrays are read in work units: keep them until another call leaves them out. Depth images wait meanwhile, so leave
  * out what moves in every frame. Triangles with an index that no vertex has, or a corner that is not finite, are passed
- * over. Fails with CAPACITY: more meshes than the description has; and with INVALID_ARGUMENT, like
- * sandglass_cast_set_meshes. Nothing is changed then. */
+ * over. Fails with CAPACITY: more meshes than the description has; and with INVALID_ARGUMENT: a
+ * field out of range, or a pose that is not finite. Nothing is changed then. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_relief_set_meshes(sandglass_relief* relief,
                                                                                const struct sandglass_cast_mesh* meshes,
                                                                                uint32_t count, const char** reason);
@@ -173,7 +173,7 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_relief_set_meshes(s
  * `counts` are the corners of each ring, at least 3; a ring in a ring is a hole, and so on (even-odd rule). A cell whose
  * middle is outside is gone: it has the height SANDGLASS_RELIEF_GONE, and what lies there falls. Then pass no half-space
  * for the plane, since heights are solid below. No rings (0): no cell is gone. Takes effect at once. Fails with
- * INVALID_ARGUMENT: a ring of less than 3 corners, more than 65,536 in all, or one that is not finite or beyond the
+ * INVALID_ARGUMENT: a ring of less than 3 corners, more than 4,096 in all, or one that is not finite or beyond the
  * coordinate limit. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_relief_set_outline(sandglass_relief* relief,
                                                                                 const float* corners,

@@ -242,15 +242,7 @@ bool sift(CastGathered* g) {
 }  // namespace
 
 void cast_place(const CastFrame& frame, const float world_from_mesh[16], double rows[12]) {
-  for (uint32_t axis = 0; axis < 3; ++axis)
-    for (uint32_t column = 0; column < 4; ++column) {
-      double sum = 0;
-      for (uint32_t k = 0; k < 3; ++k) {
-        const double entry = static_cast<double>(world_from_mesh[4 * column + k]);
-        sum += frame.axes[axis][k] * (column == 3 ? entry - frame.origin[k] : entry);
-      }
-      rows[4 * axis + column] = sum;
-    }
+  place_mesh(frame.axes, frame.origin, world_from_mesh, rows);
 }
 
 void cast_begin_gather(CastGathered* g, CastMesh* meshes, const CastRequest& request) {
