@@ -90,6 +90,16 @@ double trilinear(const FieldGrid& grid, Vector p, Vector* gradient) {
   return value;
 }
 
+// What the kernel tells of the places of a cluster.
+std::vector<SurfacePoint> surfaces(const Kernels& kernels, const Cluster& cluster, const ColliderFrame& frame,
+                                   uint32_t n) {
+  std::vector<SurfacePoint> found(cluster.inert + k_slack);
+  std::memcpy(found.data(), cluster.records.data(), found.size() * sizeof(SurfacePoint));
+  const SurfaceArgs args = {found.data(), &frame};
+  run(kernels.surface_at, args, n);
+  return found;
+}
+
 // A field of waves that is turned by a quarter about z. Local x is world y, and local y is world -x.
 void check_field(uint32_t n) {
   std::vector<float> values(7 * 6 * 5);
@@ -104,10 +114,7 @@ void check_field(uint32_t n) {
     frame.field = {values.data(), {7, 6, 5}, {-0.03f, -0.025f, -0.02f}, 0.01f, 100.0f, outward, outward * 0.002f};
     Cluster cluster(n, 0, 0.1, 47);
     on_every_table([&](const Kernels& kernels, SameBits& same) {
-      std::vector<SurfacePoint> found(cluster.inert + k_slack);
-      std::memcpy(found.data(), cluster.records.data(), found.size() * sizeof(SurfacePoint));
-      const SurfaceArgs args = {found.data(), &frame};
-      run(kernels.surface_at, args, n);
+      std::vector<SurfacePoint> found = surfaces(kernels, cluster, frame, n);
       for (uint32_t i = 0; i < n; ++i) {
         const Vector world = at(cluster.records[i].position) - Vector{static_cast<double>(frame.position[0]), 0, 0};
         const Vector local = {world.y, -world.x, world.z};
@@ -168,10 +175,7 @@ void check_relief(uint32_t n) {
     Cluster cluster(n, 0, 0.12, 53);
     uint32_t beyond = 0, falling = 0;
     on_every_table([&](const Kernels& kernels, SameBits& same) {
-      std::vector<SurfacePoint> found(cluster.inert + k_slack);
-      std::memcpy(found.data(), cluster.records.data(), found.size() * sizeof(SurfacePoint));
-      const SurfaceArgs args = {found.data(), &frame};
-      run(kernels.surface_at, args, n);
+      std::vector<SurfacePoint> found = surfaces(kernels, cluster, frame, n);
       for (uint32_t i = 0; i < n; ++i) {
         const Vector world = at(cluster.records[i].position) - Vector{static_cast<double>(frame.position[0]), 0, 0};
         const double x = (world.y + 0.04) / 0.01, z = (world.z + 0.025) / 0.01, y = -world.x;
