@@ -300,7 +300,10 @@ struct Tracer {
   // With `catcher` the point lies on a floor. There the shadows of some solids are textures, so these solids do not
   // count.
   bool blocked(Vec3 origin, Vec3 direction, double limit, bool catcher) const {
-    return caster.occluded(origin, direction, limit) || hidden_by_solid(origin, direction, limit, catcher);
+    // Where sand is thin, its balls reach through it: what they hide of places within them is not looked at.
+    const double within = view.sand != nullptr ? static_cast<double>(casters.radius) : 0.0;
+    return caster.occluded(origin + direction * within, direction, limit - within) ||
+           hidden_by_solid(origin, direction, limit, catcher);
   }
   bool hidden_by_solid(Vec3 origin, Vec3 direction, double limit, bool catcher) const {
     SurfaceHit hit;

@@ -13,7 +13,7 @@ namespace sandglass::host {
 
 // Of several suites. One that takes more inherits these.
 struct VerifyOptions {
-  std::string json, isa = "automatic", manifest, network;
+  std::string json, isa = "automatic", manifest, network, picture;
   std::vector<std::string> cases, panoramas, meshes;
   bool quick = false;
   uint64_t seed = 0;

@@ -4,6 +4,7 @@
 #include "tests/laboratory/verify.h"
 #ifdef SANDGLASS_HAVE_EMBREE
 #include "tests/laboratory/shadow/anything.h"
+#include "tests/laboratory/shadow/placed.h"
 #endif
 
 namespace sandglass::host {
@@ -19,12 +20,14 @@ Command verify_anything_suite() { return {k_name, k_help, {}, {}, {}, k_no_ray_t
 namespace {
 
 Options options_of(VerifyOptions& o) {
-  return {{"--mesh", &o.meshes, "MESHES",
-           "What casts beside chair, bucket and trefoil: files, or names of generated meshes"},
-          {"--quick", &o.quick, "", "A quarter of the lights, a third of the places"},
-          seed_option(o.seed, "Where things stand"),
-          threads_option(o.threads),
-          json_option(o.json)};
+  return {
+      {"--mesh", &o.meshes, "MESHES",
+       "What casts beside chair, bucket and trefoil: files, or names of generated meshes"},
+      {"--quick", &o.quick, "", "A quarter of the lights, a third of the places"},
+      {"--picture", &o.picture, "FILE", "Write a chair in a place here: 4 layers, path traced, the floor's texture"},
+      seed_option(o.seed, "Where things stand"),
+      threads_option(o.threads),
+      json_option(o.json)};
 }
 
 int run(const VerifyOptions& options) {
@@ -39,10 +42,14 @@ int run(const VerifyOptions& options) {
   anything.seed = options.seed;
   anything.quick = options.quick;
   ThreadPool pool(options.threads);
-  const std::vector<Verdict> rows = with_steps("casting on things", anything_steps(anything), [&](const auto& go_on) {
-    return verify_anything(anything, pool, go_on);
-  });
+  std::vector<Verdict> rows = with_steps("casting on things", anything_steps(anything),
+                                         [&](const auto& go_on) { return verify_anything(anything, pool, go_on); });
   if (interrupted()) return k_exit_interrupted;
+  const PlacedOptions placed = {table_meshes(), options.seed, options.quick, options.picture};
+  const std::vector<Verdict> pictures = with_steps(
+      "tracing a place", k_placed_poses, [&](const auto& go_on) { return verify_placed(placed, pool, go_on); });
+  if (interrupted()) return k_exit_interrupted;
+  rows.insert(rows.end(), pictures.begin(), pictures.end());
   return tell(options, "anything", "automatic", rows);
 }
 

@@ -70,12 +70,7 @@ struct Thing {
 
 std::vector<Thing> things() {
   std::vector<Thing> all;
-  all.emplace_back(box_mesh(0.24f, 0.03f, 0.17f));                                // a book
-  all.emplace_back(box_mesh(0.2f, 0.07f, 0.13f));                                 // a thick one
-  all.emplace_back(make_revolved(bucket_profile(0.1, 0.035, 0.042, 0.004), 48));  // a cup
-  all.emplace_back(make_revolved(bucket_profile(0.06, 0.04, 0.09, 0.004), 48));   // a bowl
-  all.emplace_back(slope_mesh());
-  all.emplace_back(box_mesh(0.02f, static_cast<float>(k_top), 0.2f));  // a board
+  for (Mesh& mesh : table_meshes()) all.emplace_back(std::move(mesh));
   return all;
 }
 
@@ -358,6 +353,15 @@ bool study_meshes(const std::vector<CastMeshFile>& meshes, const AnythingOptions
 }
 
 }  // namespace
+
+std::vector<Mesh> table_meshes() {
+  return {box_mesh(0.24f, 0.03f, 0.17f),
+          box_mesh(0.2f, 0.07f, 0.13f),
+          make_revolved(bucket_profile(0.1, 0.035, 0.042, 0.004), 48),
+          make_revolved(bucket_profile(0.06, 0.04, 0.09, 0.004), 48),
+          slope_mesh(),
+          box_mesh(0.02f, static_cast<float>(k_top), 0.2f)};
+}
 
 size_t anything_steps(const AnythingOptions& options) {
   return (options.meshes.size() + options.further.size()) *

@@ -5,11 +5,15 @@
 #include <functional>
 #include <vector>
 
+#include "models/mesh/mesh.h"
 #include "models/work/thread_pool.h"
 #include "tests/laboratory/sand/granular_verdicts.h"
 #include "tests/laboratory/shadow/cast_rows.h"
 
 namespace sandglass::host {
+
+// A book, a thick one, a cup, a bowl, a slope, a board; each stands on y = 0.
+std::vector<Mesh> table_meshes();
 
 struct AnythingOptions {
   std::vector<CastMeshFile> meshes;   // what casts, all together
