@@ -19,7 +19,7 @@ struct OwnColumn {
 static SANDGLASS_INLINE OwnColumn own_column(const PileLightArgs* a, uint32_t texel) {
   const int64_t at = static_cast<int64_t>(a->row) * a->pitch + texel;
   const Float open = broadcast(1.0f) - load(a->fills + at), root = square_root(open);
-  return {square_root(root), root, open, open * open, load(a->bottoms + at)};
+  return {square_root(root), root, open, open * open, load(a->bottoms + at) - load(a->receivers + texel)};
 }
 static SANDGLASS_INLINE Float left_by(const OwnColumn& own, const PileAzimuth& azimuth) {
   const Float zero = broadcast(0.0f), one = broadcast(1.0f);

@@ -248,6 +248,9 @@ int32_t run(World* world, Turn* t, const sandglass_plan* plan, sandglass_frame_r
   t->sink.field = bowl.get();
   t->sink.relief = world->others.relief.handle;
   raise_some(*t, world->others.relief.handle);
+  auto ground = sandglass::reported<sandglass_heights>(sandglass_relief_get_heights, world->others.relief.handle);
+  ground.corner[1] += t->light[0];
+  static_cast<void>(sandglass_pile_shadow_set_ground(world->others.pile_shadow.handle, &ground, nullptr));
   const sandglass_camera_image image = image_of(*t);
   sandglass_frame_input input = sandglass::frame_input();
   input.time_step = t->time_step;

@@ -65,7 +65,8 @@ double change_by_own_column(const Columns& columns, const PileAzimuth& azimuth, 
   double change = 0;
   for (int k = 0; k < 5; ++k) change += static_cast<double>(azimuth.own[k]) * std::pow(open, powers[k]);
   const double near = static_cast<double>(azimuth.near_from) -
-                      static_cast<double>(columns.bottoms[at]) * static_cast<double>(azimuth.near_per_metre);
+                      (static_cast<double>(columns.bottoms[at]) - static_cast<double>(columns.receivers[i])) *
+                          static_cast<double>(azimuth.near_per_metre);
   return std::clamp(near, 0.0, 1.0) * change;
 }
 

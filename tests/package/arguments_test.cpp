@@ -335,6 +335,10 @@ void Arguments::pile_shadows() {
   row(NAMED(sandglass_pile_shadow_set_light), "", shadow, point, 0.0f);
   const float cells[SANDGLASS_LIGHT_CELLS] = {};
   row(NAMED(sandglass_pile_shadow_set_cells), "", shadow, cells);
+  const float flat[4] = {};
+  const sandglass_heights map = {sizeof map,   {2, 2},    flat, 0.1f, {0, 0, 0}, {0.2f, 0, 0},
+                                 {0, 0, 0.2f}, {0, 1, 0}, 1,    {},   {},        1};
+  row(NAMED(sandglass_pile_shadow_set_ground), "heights", shadow, &map);
   row(NAMED(sandglass_pile_shadow_run), "", shadow, point, 1u, 0.01f, 1u);
   while (sandglass_pile_shadow_run(shadow, point, 1, 0.01f, UINT32_MAX) > 0) {
   }

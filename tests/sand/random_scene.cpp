@@ -328,6 +328,7 @@ void RandomScene::act() {
     ::accept(scene.save(&saved));
     ::accept(scene.restore(saved));
   }
+  if (pile_ && relief_) ::accept(pile_.set_ground(relief_.heights()));
   if (pile_ && one_in(4)) ::accept(pile_.set_light({between(-1, 1), 1.0f, between(-1, 1)}));
   if (light_random_.below(40) == 0) {
     const auto tilt = [&] { return static_cast<float>(6.0 * light_random_.uniform() - 3.0); };

@@ -1,11 +1,9 @@
 // Thin C++ owner types over the C API: the same functions, with memory owned, pointers and counts joined, and status
 // and reason in one value. Header-only, C++17, no exceptions, no RTTI.
 //
-// Everything that the C headers promise holds here. Memory is allocated by the create and from_* functions, by the
-// sample_* functions, by save and by box_body, and by nothing else; none of them is called in a frame. Structs are
-// those of the C API (sandglass_scene_desc, ...). Each owner type gives its C handle by get(), for every function that
-// has no short form here. An owner type that nothing was created in yet is empty: its functions then follow the rule of
-// the C API for NULL.
+// Everything that the C headers promise holds here. Memory is allocated by create, from_*, sample_*, save and box_body
+// alone, none of which is called in a frame. Each owner type gives its C handle by get(), for every function that has no
+// short form here. One that nothing was created in yet is empty: see the C API's rule for NULL.
 //
 //   sandglass_scene_desc desc = sandglass::scene_desc();
 //   desc.granular.particle_capacity = 1000;
@@ -576,6 +574,8 @@ class PileShadow : public Owned<sandglass_pile_shadow> {
   Status set_cells(const float (&cells)[SANDGLASS_LIGHT_CELLS]) {
     return call(sandglass_pile_shadow_set_cells, get(), cells);
   }
+  // See sandglass_pile_shadow_set_ground.
+  Status set_ground(const sandglass_heights& map) { return call(sandglass_pile_shadow_set_ground, get(), &map); }
   // See sandglass_pile_shadow_refresh.
   void refresh() { sandglass_pile_shadow_refresh(get()); }
   // Without a scene: see sandglass_pile_shadow_run.

@@ -31,15 +31,17 @@ bool follow(const Pile& p, const float* position, Landing* landing, uint32_t* st
                          (position[2] - p.rectangle.low[1]) / p.rectangle.texel[1]};
   const float slope[2] = {-light[0] / (light[1] * p.rectangle.texel[0]), -light[2] / (light[1] * p.rectangle.texel[1])};
   const auto top_at = [&](float x, float z) {
-    return x >= 0 && z >= 0 && x < n && z < n
-               ? p.columns.tops[to_whole<int64_t>(z) * p.columns.pitch + to_whole<int64_t>(x)]
-               : 0.0f;
+    if (!(x >= 0 && z >= 0 && x < n && z < n)) return 0.0f;
+    const float sand = p.columns.tops[to_whole<int64_t>(z) * p.columns.pitch + to_whole<int64_t>(x)];
+    const float ground = ground_at(p.ground, x, z);
+    return sand > ground ? sand : ground;
   };
   if (height - k_rolls * p.request.source.radius < top_at(from[0], from[1])) return false;
-  // Only what is lower than the highest sand can meet any.
+  // Only what is lower than the highest sand or ground can meet any.
+  const float highest = p.columns.top > p.ground.highest ? p.columns.top : p.ground.highest;
   const float flat = __builtin_sqrtf(slope[0] * slope[0] + slope[1] * slope[1]);
   const float all = flat * height, step = flat > 0 ? 1 / flat : height;  // in texels; metres of height for a texel
-  float fall = height > p.columns.top ? height - p.columns.top : 0;
+  float fall = height > highest ? height - highest : 0;
   for (uint32_t i = 0; i < 2 * p.rectangle.texels && fall < height && all > 0; ++i, fall += step, ++*steps) {
     const float top = top_at(from[0] + slope[0] * fall, from[1] + slope[1] * fall);
     if (height - fall < top) break;

@@ -56,7 +56,7 @@ sandglass_pile_shadow* lay_out(const sandglass_pile_shadow_desc& desc, Layout* l
   p->columns.bottoms = layout_region<float>(layout, "pile_shadow.bottoms", columns);
   p->columns.fills = layout_region<float>(layout, "pile_shadow.fills", columns);
   p->air.shares = layout_region<float>(layout, "pile_shadow.air", n * n);
-  float** const rows[] = {&p->lighting.nothing, &p->lighting.receivers, &p->lighting.shares};
+  float** const rows[] = {&p->lighting.ground, &p->lighting.receivers, &p->lighting.shares};
   for (float** row : rows) *row = layout_region<float>(layout, "pile_shadow.row", n + k_lane_group);
   PileAzimuth** const azimuths[] = {&p->lighting.azimuths, &p->lighting.row_azimuths};
   for (PileAzimuth** some : azimuths)
@@ -139,6 +139,14 @@ __attribute__((noinline)) sandglass_status take_cells(Pile* p, const float* cell
   return accept(reason);
 }
 
+__attribute__((noinline)) sandglass_status take_ground(Pile* p, const sandglass_heights* map, const char** reason) {
+  bool changed = p->ground.map.heights != nullptr;
+  if (map == nullptr) p->ground = {};
+  else if (const sandglass_status status = ground_take(&p->ground, p->rectangle, *map, &changed, reason)) return status;
+  if (changed) p->request.asked = k_ask_all;
+  return accept(reason);
+}
+
 }  // namespace
 }  // namespace sandglass
 
@@ -171,6 +179,13 @@ sandglass_status sandglass_pile_shadow_set_light(sandglass_pile_shadow* shadow, 
     return refuse(reason, "shadow or direction is NULL: pass the shadow and 3 floats.");
   const ExactFloatingPoint exact;
   return take_light(&shadow->pile, direction, angular_diameter, reason);
+}
+
+sandglass_status sandglass_pile_shadow_set_ground(sandglass_pile_shadow* shadow, const sandglass_heights* heights,
+                                                  const char** reason) {
+  if (shadow == nullptr) return refuse(reason, "shadow is NULL: pass the shadow.");
+  const ExactFloatingPoint exact;
+  return take_ground(&shadow->pile, heights, reason);
 }
 
 void sandglass_pile_shadow_refresh(sandglass_pile_shadow* shadow) {

@@ -93,7 +93,7 @@ void gather_row(PileLighting* lighting, const Pile& p, int32_t row, uint32_t* be
   *end = (static_cast<uint32_t>(last_texel) / k_lane_group + 1) * k_lane_group;
 }
 
-void light_row(PileLighting* lighting, const Pile& p, const float* receivers, uint8_t* coverage) {
+void light_row(PileLighting* lighting, const Pile& p, bool floor, uint8_t* coverage) {
   const uint32_t texels = p.rectangle.texels;
   PileLightArgs args = {};
   args.tops = p.columns.tops;
@@ -105,8 +105,8 @@ void light_row(PileLighting* lighting, const Pile& p, const float* receivers, ui
     args.sand_rows[side] = p.columns.sand_rows[side];
     args.sand_columns[side] = p.columns.sand_columns[side];
   }
-  args.receivers = receivers;
-  args.on_floor = receivers == lighting->nothing ? 1 : 0;
+  args.receivers = floor ? lighting->ground : lighting->receivers;
+  args.on_floor = floor ? 1 : 0;
   uint32_t begin, end;
   gather_row(lighting, p, args.row, &begin, &end);
   for (uint32_t u = 0; u < texels; ++u) lighting->shares[u] = 1;
@@ -178,13 +178,12 @@ bool lighting_run(PileLighting* lighting, const Pile& p, uint8_t* texture, bool 
     uint8_t* coverage = texture + uint64_t{lighting->row} * texels;
     if (p.columns.sand_rows[1] < 0 && !p.air.any) {
       memset(coverage, 0, texels);
-    } else if (floor) {
-      light_row(lighting, p, lighting->nothing, coverage);
     } else {
+      ground_row(p.ground, lighting->row, texels, 1, lighting->ground);
       const float* tops = p.columns.tops + uint64_t{lighting->row} * p.columns.pitch;
-      for (uint32_t u = 0; u < texels; ++u)
-        lighting->receivers[u] = tops[u] > 0 ? tops[u] + k_surface_lift * p.request.source.radius : 0;
-      light_row(lighting, p, lighting->receivers, coverage);
+      for (uint32_t u = 0; u < texels && !floor; ++u)
+        lighting->receivers[u] = tops[u] > 0 ? tops[u] + k_surface_lift * p.request.source.radius : lighting->ground[u];
+      light_row(lighting, p, floor, coverage);
     }
   }
   if (lighting->row < texels) return false;

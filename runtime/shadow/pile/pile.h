@@ -17,6 +17,7 @@
 #include "runtime/frame/capability.h"
 #include "runtime/shadow/pile/sky.h"
 #include "sandglass/pile_shadow.h"
+#include "sandglass/relief.h"
 #include "sandglass/skin.h"
 
 namespace sandglass {
@@ -49,6 +50,18 @@ struct PileRectangle {
   // Metres, and how many along a side.
   float texel[2];
   uint32_t texels;
+};
+
+// ---- PileGround (ground.cpp)
+
+struct PileGround {
+  // As the app told it; its array is null where there is the floor alone.
+  sandglass_heights map;
+  // Cells along x and z of the map from texel to texel along u and v; where texel 0 begins, from the middle of the
+  // first cell.
+  float per_texel[2][2], first[2];
+  // Metres over the floor: of the map's corner; more from cell to cell, of a plane that is not quite level; at most.
+  float foot, rise[2], highest;
 };
 
 // ---- PileColumns (columns.cpp, skin.cpp)
@@ -106,8 +119,8 @@ struct PileLighting {
   // Of the row under way: azimuths and steps that meet rows of sand.
   PileAzimuth* row_azimuths;
   PileStep* row_steps;
-  // Of the row under way: heights of the floor and of the receivers, and the kernel's output.
-  float *nothing, *receivers, *shares;
+  // Of the row under way: heights of the ground and of the sand's surface, and the kernel's output.
+  float *ground, *receivers, *shares;
 };
 
 // ---- PileTextures (stage.cpp)
@@ -153,6 +166,7 @@ struct PileProgress {
 struct Pile {
   const Kernels* kernels;
   PileRectangle rectangle;
+  PileGround ground;
   PileColumns columns;
   PileSkin skin;
   PileAir air;
@@ -191,6 +205,14 @@ inline void pile_put_column(PileColumns* p, int32_t column, int32_t row, float s
   p->sand_columns[0] = column < p->sand_columns[0] ? column : p->sand_columns[0];
   p->sand_columns[1] = column > p->sand_columns[1] ? column : p->sand_columns[1];
 }
+
+// Takes what the app tells. *changed: it is not what was told before.
+sandglass_status ground_take(PileGround* ground, const PileRectangle& rectangle, const sandglass_heights& map,
+                             bool* changed, const char** reason);
+// Metres over the floor, at a place in texels; never below it.
+float ground_at(const PileGround& ground, float column, float row);
+// The same of a row of texels that are so many of the columns wide and high.
+void ground_row(const PileGround& ground, uint32_t row, uint32_t texels, uint32_t joined, float* heights);
 
 // There is no sand yet.
 void columns_begin(PileColumns* columns, uint32_t texels);

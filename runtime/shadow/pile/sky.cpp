@@ -229,7 +229,8 @@ void light_row(PileSky* s, const Pile& p, uint32_t row) {
   args.steps = s->steps;
   args.sectors = s->row_sectors;
   args.cap = k_cap;
-  args.receivers = s->nothing;
+  ground_row(p.ground, row, n, s->joined, s->ground);
+  args.receivers = s->ground;
   args.lights = s->lights;
   gather_steps(*s, p.columns, row, &args);
   uint32_t unused = 0;
@@ -297,7 +298,7 @@ void sky_lay_out(PileSky* s, uint32_t texels, uint32_t joined, Layout* layout) {
   float** const arrays[] = {&s->tops, &s->bottoms, &s->fills};
   for (float** array : arrays) *array = layout_region<float>(layout, "pile_shadow.levels", columns);
   s->in_air = layout_region<uint8_t>(layout, "pile_shadow.levels", rows);
-  float** const lines[] = {&s->nothing, &s->receivers, &s->lights};
+  float** const lines[] = {&s->ground, &s->receivers, &s->lights};
   for (float** line : lines) *line = layout_region<float>(layout, "pile_shadow.row", n);
   s->walks = layout_region<SkyStep>(layout, "pile_shadow.steps", k_cell_sectors * k_sky_steps);
   s->steps = layout_region<PileSkyStep>(layout, "pile_shadow.steps", k_cell_sectors * k_sky_steps);
@@ -325,7 +326,7 @@ void sky_build(PileSky* s, const PileRectangle& rectangle) {
   s->tops += k_first;
   s->bottoms += k_first;
   s->fills += k_first;
-  for (uint32_t u = 0; u < s->texels; ++u) s->nothing[u] = s->receivers[u] = s->lights[u] = 0;
+  for (uint32_t u = 0; u < s->texels; ++u) s->ground[u] = s->receivers[u] = s->lights[u] = 0;
   for (uint32_t k = 0; k < k_cell_sectors; ++k) place_steps(rectangle, s->joined, k, s->walks + k * k_sky_steps);
   for (uint32_t i = 0; i < k_light_cells; ++i) {
     s->cells[i] = k_prior_ring_shares[i / k_cell_sectors];

@@ -47,11 +47,11 @@ struct PileSky {
   uint32_t pitch, rows;
   uint32_t origins[k_sky_levels];
   float *tops, *bottoms, *fills;
-  uint8_t* in_air;                      // one for each row: 1 where some of its columns do not stand on the floor
-  float *nothing, *receivers, *lights;  // one row each
-  SkyStep* walks;                       // k_sky_steps for every sector
-  PileSkyStep* steps;                   // of the row under way: those that meet sand
-  PileSector *sectors, *row_sectors;    // all; those with steps that meet sand
+  uint8_t* in_air;                     // one for each row: 1 where some of its columns do not stand on the floor
+  float *ground, *receivers, *lights;  // one row each
+  SkyStep* walks;                      // k_sky_steps for every sector
+  PileSkyStep* steps;                  // of the row under way: those that meet sand
+  PileSector *sectors, *row_sectors;   // all; those with steps that meet sand
   SkyTexture front, back;
   bool valid;
   // The next row of the levels, and of the texture.
