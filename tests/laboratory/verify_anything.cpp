@@ -20,14 +20,14 @@ Command verify_anything_suite() { return {k_name, k_help, {}, {}, {}, k_no_ray_t
 namespace {
 
 Options options_of(VerifyOptions& o) {
-  return {
-      {"--mesh", &o.meshes, "MESHES",
-       "What casts beside chair, bucket and trefoil: files, or names of generated meshes"},
-      {"--quick", &o.quick, "", "A quarter of the lights, a third of the places"},
-      {"--picture", &o.picture, "FILE", "Write a chair in a place here: 4 layers, path traced, the floor's texture"},
-      seed_option(o.seed, "Where things stand"),
-      threads_option(o.threads),
-      json_option(o.json)};
+  return {{"--mesh", &o.meshes, "MESHES",
+           "What casts beside chair, bucket and trefoil: files, or names of generated meshes"},
+          {"--quick", &o.quick, "", "A quarter of the lights, a third of the places"},
+          {"--picture", &o.picture, "FILE",
+           "Write a chair in a place here, as JPEG: 4 layers, path traced, the floor's texture"},
+          seed_option(o.seed, "Where things stand"),
+          threads_option(o.threads),
+          json_option(o.json)};
 }
 
 int run(const VerifyOptions& options) {

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "models/compositing/shot.h"
+#include "models/files/atomic_file.h"
 #include "models/files/failure.h"
 #include "models/files/image.h"
 #include "models/rooms/probe_light.h"
@@ -262,12 +263,9 @@ std::vector<Verdict> verify_placed(const PlacedOptions& options, ThreadPool& poo
   }
   if (!options.picture.empty()) {
     const Pictures large = pictures_of(scene, casts, light, pose_of(3), 360, 256, options.seed, pool);
-    RadianceMap sheet(3 * large.truth.width, large.truth.height);
-    const RadianceMap* const parts[] = {&large.drawn[k_layers], &large.truth, &large.drawn[k_floor]};
-    for (int x = 0; x < sheet.width; ++x)
-      for (int y = 0; y < sheet.height; ++y)
-        sheet.set(x, y, parts[x / large.truth.width]->colour(x % large.truth.width, y));
-    write_png(options.picture, picture_of(sheet));
+    const Picture parts[] = {picture_of(large.drawn[k_layers]), picture_of(large.truth),
+                             picture_of(large.drawn[k_floor])};
+    write_file(options.picture, jpeg_file(picture_grid(parts, 3, 6), 85));
   }
   std::vector<Verdict> rows;
   const auto add = [&](const std::string& name, double value, double limit, bool control = false) {

@@ -15,7 +15,7 @@ struct PlacedOptions {
   std::vector<Mesh> table;  // what stands there: books, a thick one, a cup, a bowl, a slope, a board
   uint64_t seed = 0;        // of the truth's noise
   bool quick = false;       // fewer paths
-  std::string picture;      // file that gets composite, truth, and the floor's texture; may be empty
+  std::string picture;      // JPEG file that gets composite, truth, and the floor's texture; may be empty
 };
 
 constexpr size_t k_placed_poses = 5;
