@@ -24,10 +24,16 @@ float under_sky(vec3 place) {
   bool on = sky_known > 0.5 && all(greaterThan(at, vec2(0))) && all(lessThan(at, vec2(1)));
   return on ? texture(sky, at).r : 1.0;
 }
-// What they leave of the main light. Its ray through the place goes on to the plane, where the objects' shadows were made.
+// What they leave of the main light. Its ray through the place goes on to the plane, where the objects' shadows were made,
+// between the two layers about its height.
 float object_passed(vec3 place) {
   vec3 p = (on_plane * vec4(place, 1)).xyz, l = mat3(on_plane) * to_light;
-  return passed(shadow, (p.xz - l.xz * (p.y / max(l.y, 0.05)) - shadow_box.xy) * shadow_box.zw, shadow_opacity);
+  vec2 at = (p.xz - l.xz * (p.y / max(l.y, 0.05)) - shadow_box.xy) * shadow_box.zw;
+  float number = max(shadow_layers.x, 1.0), layer = clamp(p.y * shadow_layers.y, 0.0, number - 1.0), lower = floor(layer);
+  float row = clamp(at.y, shadow_layers.z, 1.0 - shadow_layers.z), hidden = texture(shadow, vec2(at.x, (lower + row) / number)).r;
+  if (layer > lower) hidden = mix(hidden, texture(shadow, vec2(at.x, (lower + 1.0 + row) / number)).r, layer - lower);
+  bool on = all(greaterThan(at, vec2(0))) && all(lessThan(at, vec2(1)));
+  return on ? 1.0 - hidden * shadow_opacity : 1.0;
 }
 float pile_passed(vec3 place) { return passed(pile, (place.xz - pile_box.xy) * pile_box.zw, pile_opacity); }
 // What is written, sRGB.

@@ -13,6 +13,7 @@ uniform mat3 table_of_room;
 // or on itself; what objects hide (`shadow`) and leave (`occlusion`). Boxes: x and z of the lower corner, and one over the extent.
 uniform sampler2D pile, shadow, occlusion, sky;
 uniform vec4 pile_box, shadow_box, occlusion_box;
+uniform vec3 shadow_layers;  // of `shadow` (cast.h): their number; that less 1, over their height; half a texel of one
 uniform mat4 on_plane;  // of a place on the plane that the objects' shadows lie on: x, height and z
 uniform float pile_opacity, shadow_opacity, sky_known;
 

@@ -492,6 +492,7 @@ export class Painter {
       shadow_box: boxes.wallShadow,
       occlusion_box: boxes.wallOcclusion,
       shadow_opacity: shadowOpacity,
+      shadow_layers: [1, 0, 0],
       pile_opacity: 0,
       sky_known: 0,
     });

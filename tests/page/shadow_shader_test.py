@@ -232,6 +232,45 @@ def farthest_on_readme(browser, vertex, fragment, draw, s, eye):
     return farthest(browser, vertex, fragment, uniforms, textures, formula)
 
 
+def between(layers, rectangle, at, u, v, outside):
+    """Of layers one after the other, `at` of them up."""
+    at = min(max(at, 0), len(layers) - 1)
+    lower = min(int(at), len(layers) - 2)
+    low, high = (sampled(layers[layer], rectangle, u, v, outside) for layer in (lower, lower + 1))
+    return low + (at - lower) * (high - low)
+
+
+def farthest_on_heap(browser, lighting, draw):
+    """Of models/kit/light.glsl: an object's shadow on sand that rises through three layers, in steps of a byte."""
+    floor, height, number, towards, rectangle = 0.03, 0.2, 3, [-0.6, 0.7, 0.3], [-0.8, -0.6, 0.5, 0.7]
+    fragment = f"""#version 300 es
+precision highp float;
+precision highp sampler3D;
+{lighting}
+out vec4 pixel;
+void main() {{
+  vec2 place = gl_FragCoord.xy * (2.0 / {SIDE}.0) - 1.0;
+  pixel = vec4(vec3(object_passed(vec3(place.x, 0.1 + 0.2 * place.x, place.y))), 1);
+}}"""
+    vertex = """#version 300 es
+void main() { gl_Position = vec4(2 * (gl_VertexID & 1) - 1, 2 * (gl_VertexID >> 1) - 1, 0, 1); }"""
+    layers = [noise_of(["shadow"], draw)["shadow"] for _ in range(number)]
+    uniforms = {
+        "shadow_box": box_of(rectangle),
+        "shadow_layers": [number, (number - 1) / height, 0.5 / TEXELS],
+        "shadow_opacity": 0.9,
+        "to_light": towards,
+        "on_plane": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, -floor, 0, 1],
+    }
+
+    def formula(x, z):
+        above = 0.1 + 0.2 * x - floor
+        at = [c - above * towards[k] / towards[1] for k, c in ((0, x), (2, z))]
+        return 255 * (1 - 0.9 * between(layers, rectangle, above / height * (number - 1), *at, 0))
+
+    return farthest(browser, vertex, fragment, uniforms, [["shadow", TEXELS, sum(layers, []), number * TEXELS]], formula)
+
+
 def farthest_on_receiver(browser, receive, draw):
     """Of models/kit/receive.glsl on a slope through three layers, in steps of a byte."""
     floor, height, number, slide = 0.03, 0.2, 3, [0.9, -0.4]
@@ -259,22 +298,19 @@ void main() { gl_Position = vec4(2 * (gl_VertexID & 1) - 1, 2 * (gl_VertexID >> 
 
     def formula(x, z):
         above = 0.1 + 0.2 * x - floor
-        at = min(max(above / height, 0), 1) * (number - 1)
-        lower = min(int(at), number - 2)
 
-        def between(name, u, v, outside):
-            low, high = (sampled(layers[name][layer], rectangles[name], u, v, outside) for layer in (lower, lower + 1))
-            return low + (at - lower) * (high - low)
+        def layered(name, *place):
+            return between(layers[name], rectangles[name], above / height * (number - 1), *place)
 
-        hidden_by_object = 0.9 * between("shadow", x - slide[0] * above, z - slide[1] * above, 0)
+        hidden_by_object = 0.9 * layered("shadow", x - slide[0] * above, z - slide[1] * above, 0)
         left = (1 - 0.7 * sampled(one["pile"], rectangles["pile"], x, z, 0)) * (1 - hidden_by_object)
-        return 255 * left * between("occlusion", x, z, 1) * sampled(one["sky"], rectangles["pile"], x, z, 1)
+        return 255 * left * layered("occlusion", x, z, 1) * sampled(one["sky"], rectangles["pile"], x, z, 1)
 
     return farthest(browser, vertex, fragment, uniforms, textures, formula)
 
 
 def shaders(arguments):
-    """Of the README, vertex and fragment; of the page; of Android's sample; of what receives. With an option, each but the last has a fault;
+    """Of the README, vertex and fragment; of the page; of Android's sample; of what receives; of a heap. With an option, each but the last has a fault;
     with --control, all."""
     control = "--control" in arguments
     readme, painter, sand = [a for a in arguments if not a.startswith("--")]
@@ -285,7 +321,7 @@ def shaders(arguments):
     kit = pathlib.Path(painter).resolve().parents[2] / "models/kit"
     occlusion = re.search(r"const k_hidden = `(.*?)`;", open(painter, encoding="utf-8").read(), re.S).group(1)
     lighting = (kit / "uniforms.glsl").read_text() + (kit / "light.glsl").read_text() + (kit / "before.glsl").read_text() + occlusion
-    receive = (kit / "receive.glsl").read_text()
+    heap, receive = lighting, (kit / "receive.glsl").read_text()
     vertex, fragment = re.findall(r"```glsl\n(.*?)```", text, re.S)[:2]
     # A third object, as the page says: a call more.
     call = "  take(sand_coverage"
@@ -302,14 +338,15 @@ def shaders(arguments):
         lighting = lighting.replace("all(greaterThan(at, vec2(0))) && all(lessThan(at, vec2(1)))", "true")
         sample = sample.replace("p == clamp(p, 0.0, 1.0) ? texture(map, p).r : outside", "texture(map, p).r")
         receive = receive.replace("clamp(at.y, half_texel, 1.0 - half_texel)", "at.y")
+        heap = heap.replace("clamp(at.y, shadow_layers.z, 1.0 - shadow_layers.z)", "at.y")
     if "--depth" in arguments:
         fragment, sample = (text.replace("eye_height > 0.0", "true") for text in (fragment, sample))
         lighting = lighting.replace("eye > 0.0", "true")
-    return vertex, fragment, lighting, sample, receive
+    return vertex, fragment, lighting, sample, receive, heap
 
 
 def main(arguments):
-    vertex, fragment, lighting, sample, receive = shaders(arguments)
+    vertex, fragment, lighting, sample, receive, heap = shaders(arguments)
     if CHROMIUM is None:
         return SKIPPED
     faulty = "--control" in arguments or "--depth" in arguments
@@ -325,10 +362,10 @@ def main(arguments):
             ),
         ]
         if "--depth" not in arguments:
-            all_of_them.append(farthest_on_receiver(browser, receive, draw))
+            all_of_them += [farthest_on_receiver(browser, receive, draw), farthest_on_heap(browser, heap, draw)]
     finally:
         browser.close()
-    names = ("on the README's floor", "on the page", "in Android's sample", "on what receives")
+    names = ("on the README's floor", "on the page", "in Android's sample", "on what receives", "on a heap")
     print("farthest from the formula, steps of a byte:", ", ".join(f"{name} {far:.2f}" for name, far in zip(names, all_of_them)))
     return 0 if (min(all_of_them) > 1.5 if faulty else max(all_of_them) <= 1.5) else 1
 

@@ -25,6 +25,7 @@ export const kitValues = (drawn) => ({
   table_of_room: [1, 0, 0, 0, 1, 0, 0, 0, 1],
   pile_box: drawn.pileBox,
   shadow_box: drawn.shadowBox,
+  shadow_layers: [...drawn.layers, drawn.slide[2]],
   occlusion_box: drawn.occlusionBox,
   on_plane: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, -drawn.floor, 0, 1],
   pile_opacity: drawn.pileOpacity,

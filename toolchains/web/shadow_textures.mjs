@@ -28,13 +28,9 @@ export class ShadowTextures {
 }
 
 // Of frame(), what sand shows by which name of the kit.
-const k_on_sand = { pile: "onSand", shadow: "shadow", occlusion: "occlusion", sky: "skyOnSand" };
+const k_on_sand = { pile: "onSand", shadow: "shadow", sky: "skyOnSand" };
 export function showOnSand(textures, drawn) {
-  for (const [name, of] of Object.entries(k_on_sand)) {
-    if (!drawn.textures[of]) continue;
-    const { side, bytes } = drawn.textures[of];
-    textures.show(name, { side, bytes: bytes.subarray(0, side ** 2) }); // the floor's layer
-  }
+  for (const [name, of] of Object.entries(k_on_sand)) if (drawn.textures[of]) textures.show(name, drawn.textures[of]);
 }
 
 // What frame() gives before there is anything to draw.
