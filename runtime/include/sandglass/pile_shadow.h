@@ -48,6 +48,8 @@
 extern "C" {
 #endif
 
+struct sandglass_heights; /* relief.h */
+
 /* The shadow that the sand casts, in a block of the app. */
 typedef struct sandglass_pile_shadow sandglass_pile_shadow;
 
