@@ -77,6 +77,8 @@ def main():
                     "options",
                     "mesh_field",
                     "place_light",
+                    "stage_hands",
+                    "stage_place",
                     "stage_shadows",
                     "stage",
                     "sand_block",

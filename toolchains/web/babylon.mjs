@@ -126,6 +126,44 @@ class BabylonStage extends Engine {
     this.receiver.stop(material);
   }
 
+  hide(object) {
+    const enabled = object.isEnabled(false);
+    object.setEnabled(false);
+    return () => object.setEnabled(enabled);
+  }
+  // Hides what is behind it: its depth is drawn before all else, and a little farther, and then its shadows on what is there. Opaque
+  // meshes are drawn in the order of their materials' numbers.
+  veilOf(object, { positions, indices }, pose) {
+    const { BABYLON, scene, z } = this;
+    const data = new BABYLON.VertexData();
+    data.positions = positions.map((x, i) => (i % 3 === 2 ? z * x : x));
+    data.indices = z < 0 ? indices.map((_, i) => indices[i - (i % 3) + [0, 2, 1][i % 3]]) : indices;
+    const { backFaceCulling = true } = this.meshesOf(object)[0]?.material ?? {};
+    const depth = new BABYLON.StandardMaterial("sandglass", scene);
+    const shaded = new BABYLON.PBRMaterial("sandglass", scene);
+    Object.assign(depth, { disableColorWrite: true, zOffset: 1, zOffsetUnits: 1, uniqueId: -scene.getUniqueId() });
+    Object.assign(shaded, { metallic: 0, roughness: 1, disableDepthWrite: true });
+    const root = new BABYLON.TransformNode("sandglass", scene);
+    for (const material of [depth, this.receive(shaded, { shadowOnly: true })]) {
+      const mesh = new BABYLON.Mesh("sandglass", scene, root);
+      data.applyToMesh(mesh);
+      material.backFaceCulling = backFaceCulling;
+      Object.assign(mesh, { material, alphaIndex: -1e9, isPickable: false });
+    }
+    const veil = {
+      move({ position, rotation: [x, y, ...zw] }) {
+        root.position.set(position[0], position[1], z * position[2]);
+        root.rotationQuaternion = new BABYLON.Quaternion(z * x, z * y, ...zw);
+      },
+      end: () => {
+        this.stopReceiving(shaded);
+        root.dispose(false, true);
+      },
+    };
+    veil.move(pose);
+    return veil;
+  }
+
   // Sand, as a node of meshes in the scene. Options as for Stage.createSand.
   async createSand(options) {
     await this.newSand(options);

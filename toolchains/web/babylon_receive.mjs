@@ -63,7 +63,6 @@ export const textureMaker = ({ RawTexture, Constants }, scene) => ({
     return made;
   },
   fill: (texture, bytes) => texture.update(bytes.slice()),
-  sideOf: (texture) => texture.getSize().width,
 });
 
 const owners = new WeakMap(); // by material: its plugin

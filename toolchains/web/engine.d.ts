@@ -11,6 +11,13 @@ import type {
   WorkerStage,
 } from "sandglass/stage";
 
+/** A part of the real place. */
+export interface Place {
+  /** Takes its mesh as it is now. What was there stays until sand lies on it. */
+  update(): Promise<void>;
+  /** Withdraws it. The object is shown as before. */
+  dispose(): Promise<void>;
+}
 /** What is refused changes nothing. After dispose() all but update() and removeModel(), which do nothing then, are refused. */
 export interface EngineStage {
   readonly stage: Stage | WorkerStage;
@@ -23,6 +30,10 @@ export interface EngineStage {
   addModel(object: object, options?: ModelOptions): Promise<void>;
   /** Also before addModel has answered. */
   removeModel(object: object): Promise<void>;
+  /** A part of the real place, such as a scanned room, a table or a mesh of WebXR: sand lies on it, shadows fall on it, it hides what
+   * is behind it and is not drawn: the object is hidden meanwhile. Taken as by addModel, and its pose is followed; what is closed is
+   * solid, and of what is open the highest surface counts, up to 0.5 m above the floor. */
+  addPlace(object: object): Promise<Place>;
   /** By the camera's projection matrix: any camera with perspective, also a tracker's or WebXR's. */
   see(image: object, camera: object, view?: View): Promise<void>;
   receive<Material extends object>(material: Material, options?: { shadowOnly?: boolean }): Material;
@@ -32,6 +43,11 @@ export interface EngineStage {
   removeSand(): Promise<void>;
   pour(...nozzles: Nozzle[]): unknown;
   push(...balls: Ball[]): unknown;
+  /** The hands of an XRFrame push sand, in an XRReferenceSpace that is the scene; without a frame there are none. What is lost
+   * vanishes, and comes back without a blow. Call it in each frame. */
+  seeHands(frame?: object | null, space?: object): unknown;
+  /** What XRFrame.getDepthInformation gives of an XRView (usage cpu-optimized; null is left out): sand lies on what it shows. */
+  seeDepth(depth: object | null | undefined, view: object): Promise<void>;
   update(seconds?: number): void;
   dispose(): void;
 }

@@ -5,6 +5,7 @@ import { pixelsOf } from "./place_light.mjs";
 import { WorkerStage, blockMade } from "./worker.mjs";
 import { k_block_text } from "./block_module.mjs";
 import { receivers } from "./glsl.mjs";
+import { depthOf, handJoints } from "./webxr.mjs";
 
 const k_shape_frames = 20; // from one look at a model's parts to the next
 const k_shape_tolerance = 1e-3; // metres, or of a size
@@ -43,7 +44,8 @@ export function oneMesh(parts) {
 }
 
 // A subclass has meshOf(object, pose), shapeOf(object, pose), poseOf(object), isShown(object), cameraOf(camera),
-// sandOf(block, radius), show(drawn) and leave().
+// sandOf(block, radius), hide(object), which gives what shows it again, veilOf(object, mesh, pose), which hides and receives,
+// show(drawn) and leave().
 export class Engine {
   static async stageOf({ worker = false, ...options }) {
     return (worker ? WorkerStage : Stage).create(options);
@@ -68,21 +70,31 @@ export class Engine {
   // children those that are not hidden. The object itself may be hidden, as one that stands for a real thing. Its pose is
   // followed; once it was seen, it throws no shadow while it is hidden or out of the scene.
   async addModel(object, options) {
+    const { model, mesh } = this.modelOf("addModel", object, "removeModel");
+    Object.assign(model, { shape: this.shapeOf(object, model.pose), casts: options?.shadow !== false, shadow: true });
+    await this.add(object, model, () => this.stage.addModel({ ...mesh, ...model.pose }, options));
+  }
+  modelOf(call, object, ends) {
     this.refuseEnded();
     if (typeof object?.[this.placing] !== "function")
-      throw new Error("sandglass: addModel takes an object of the scene. Of a loaded glTF pass gltf.scene.");
+      throw new Error(`sandglass: ${call} takes an object of the scene. Of a loaded glTF pass gltf.scene.`);
     if (this.objects.has(object))
-      throw new Error("sandglass: addModel has this object already. Call removeModel first, or pass a clone.");
+      throw new Error(`sandglass: ${call} has this object already. Call ${ends} first, or pass a clone.`);
+    return this.takenOf(call, object);
+  }
+  // An object's mesh and pose as they are now.
+  takenOf(call, object) {
     const pose = this.poseOf(object);
     if (!isPose(pose))
       throw new Error(
-        `sandglass: addModel: ${nameOf(object)} has no finite pose. Set its position, rotation and scale first.`,
+        `sandglass: ${call}: ${nameOf(object)} has no finite pose. Set its position, rotation and scale first.`,
       );
-    const mesh = this.meshOf(object, pose);
-    const model = { pose, shape: this.shapeOf(object, pose), casts: options?.shadow !== false, shadow: true };
+    return { model: { pose }, mesh: this.meshOf(object, pose) };
+  }
+  async add(object, model, ask) {
     this.objects.set(object, model);
     try {
-      model.added = (async () => this.stage.addModel({ ...mesh, ...pose }, options))();
+      model.added = (async () => ask())();
       model.number = await model.added;
     } catch (error) {
       if (this.objects.get(object) === model) this.objects.delete(object);
@@ -94,9 +106,44 @@ export class Engine {
   async removeModel(object) {
     if (this.ended) return;
     const model = this.objects.get(object);
-    if (!model) throw new Error("sandglass: removeModel takes an object that addModel was given.");
+    if (!model || model.place) throw new Error("sandglass: removeModel takes an object that addModel was given.");
     this.objects.delete(object);
     await this.stage.remove(model.number ?? (await model.added));
+  }
+  // A mesh of the real place, as a scanned room or a table: sand lies on it, shadows fall on it, it hides what is behind it, and it is
+  // not drawn: the object is hidden for so long. Its pose is followed. Gives what takes its mesh anew, and what withdraws it.
+  async addPlace(object) {
+    const { model, mesh } = this.modelOf("addPlace", object, "its dispose");
+    const place = { update: () => this.renewPlace(object, model), dispose: () => this.removePlace(object, model) };
+    model.place = place;
+    await this.add(object, model, () => this.stage.addPlace({ ...mesh, ...model.pose }));
+    if (this.ended || model.gone) return place;
+    model.unhide = this.hide(object);
+    model.veil = this.veilOf(object, mesh, model.pose);
+    return place;
+  }
+  async renewPlace(object, model) {
+    this.refuseEnded();
+    if (model.gone) throw new Error("sandglass: this place has been withdrawn. Call addPlace with it.");
+    const { model: now, mesh } = this.takenOf("update", object);
+    const number = await this.stage.addPlace({ ...mesh, ...now.pose });
+    await this.stage.fields.catch(() => {}); // what was there stays until sand lies on what is there now
+    if (this.ended) return;
+    await this.stage.remove(model.gone ? number : model.number);
+    if (this.ended || model.gone) return;
+    model.veil.end();
+    Object.assign(model, { number, pose: now.pose, veil: this.veilOf(object, mesh, now.pose) });
+  }
+  async removePlace(object, model) {
+    if (this.ended || model.gone) return;
+    model.gone = true;
+    this.objects.delete(object);
+    this.endPlace(model);
+    await this.stage.remove(model.number ?? (await model.added));
+  }
+  endPlace({ unhide, veil }) {
+    unhide?.();
+    veil?.end();
   }
   // An image of the room as the camera sees it: a photograph or a video's picture, not a panorama.
   async see(image, camera, options) {
@@ -131,6 +178,17 @@ export class Engine {
     return this.stage.push(...balls);
   }
 
+  // The hands of an XRFrame push sand, as they are in that space; without it there are none.
+  seeHands(frame, space) {
+    this.refuseEnded();
+    return this.stage.setHands(...(frame ? handJoints(frame, space) : []));
+  }
+  // What getDepthInformation says of an XRView, or of what has the same; null: nothing.
+  async seeDepth(depth, view) {
+    this.refuseEnded();
+    if (depth) await this.stage.seeDepth(depthOf(depth, view));
+  }
+
   // Once a frame, before it is rendered. `seconds` go by; without it, as many as since the last call. A stage in a worker
   // shows each frame when it is done.
   update(seconds = (performance.now() - this.last) / 1000) {
@@ -157,7 +215,7 @@ export class Engine {
   // A model in this frame. Without a pose, as where a tracker has lost it, it stays where it was.
   follow(object, model) {
     const pose = this.poseOf(object);
-    const shown = this.isShown(object);
+    const shown = !model.place && this.isShown(object);
     model.seen ||= shown;
     const shadow = shown || !model.seen;
     if (model.casts && shadow !== model.shadow) {
@@ -167,9 +225,10 @@ export class Engine {
     if (!isPose(pose)) return;
     if (String([pose.position, pose.rotation]) !== String([model.pose.position, model.pose.rotation])) {
       model.pose = pose;
+      model.veil?.move(pose);
       this.say(() => this.stage.move(model.number, pose.position, pose.rotation));
     }
-    if (!this.warned && this.frames % k_shape_frames === 0) this.warnOfShape(object, model);
+    if (!model.place && !this.warned && this.frames % k_shape_frames === 0) this.warnOfShape(object, model);
   }
   warnOfShape(object, { pose, shape }) {
     const now = this.shapeOf(object, pose);
@@ -185,6 +244,7 @@ export class Engine {
   dispose() {
     if (this.ended) return;
     this.ended = true;
+    for (const model of this.objects.values()) this.endPlace(model);
     this.leave();
     this.sand?.end();
     this.stage.end();

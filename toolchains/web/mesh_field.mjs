@@ -12,6 +12,13 @@ export function matrixOf([px, py, pz], [x, y, z, w]) {
   return [...right, ...up, ...back, px, py, pz, 1];
 }
 
+// A mesh as casts and reliefs take it: its number, and what addModel keeps of it.
+export function castMesh(sand, mesh, [version, { positions, vertices, indices, count, position, rotation }]) {
+  sand.sandglass_cast_mesh_default(mesh);
+  const world_from_mesh = matrixOf(position, rotation);
+  mesh.set({ positions, vertex_count: vertices, indices, triangle_count: count, version, world_from_mesh });
+}
+
 // One of the library's objects, of its description's defaults and `fields`, or what they give of the description.
 export function made(sand, name, fields = {}, ...more) {
   const desc = sand.make(`${name}_desc`);

@@ -5,13 +5,20 @@ export const k_options = { sand: 0, source: 0, threads: 1, origin: 3, half: 1, h
 export const k_model_options = { shadow: 0, collide: 0 };
 export const k_sand_options = { particles: 1, radius: 1 };
 export const k_view_options = { orientation: 4, position: 3, diagonal: 1, centre: 2, exposure: 0, ms: 0 };
+export const k_depth_options = {
+  ...{ data: 0, width: 1, height: 1, toMetres: 1, focal: 2, centre: 2 },
+  ...{ position: 3, orientation: 4 },
+};
 export const k_pose = { position: 3, rotation: 4 };
 const k_nozzle_options = { position: 3, rotation: 4, radius: 1, speed: 1 };
 const k_ball_options = { position: 3, radius: 1, velocity: 3 };
+const k_joint_options = { position: 3, radius: 1 };
 
 export const k_ended = "sandglass: the stage has ended: dispose or end was called. Create another.";
 export const k_nozzles = 8;
 export const k_balls = 31;
+export const k_hands = 2;
+const k_joints = 25; // of WebXR, of a hand
 const k_farthest_sand = 1000; // metres from the world's origin: farther away the library has no sand
 const k_farthest_shadow = 1e6; // and so far no shadows
 const k_axes = ["x", "y", "z", "w"];
@@ -64,3 +71,15 @@ function allOf(call, what, given, most, kinds, needed) {
 }
 export const nozzlesOf = (given) => allOf("pour", "nozzle", given, k_nozzles, k_nozzle_options, ["position"]);
 export const ballsOf = (given) => allOf("push", "ball", given, k_balls, k_ball_options, ["position", "radius"]);
+// Of each hand its joints; null: it is lost.
+export function handsOf(given) {
+  if (given.length > k_hands) throw new Error(`sandglass: setHands takes ${k_hands} hands, not ${given.length}.`);
+  return given.map((hand) => {
+    if (!hand) return null;
+    if (hand.length === k_joints)
+      return hand.map((joint) => checked("a joint", joint, k_joint_options, { needed: ["position", "radius"] }));
+    throw new Error(
+      `sandglass: a hand has the ${k_joints} joints of WebXR, in their order, not ${hand.length}. Pass null where it is lost.`,
+    );
+  });
+}

@@ -23,6 +23,8 @@ IN_WORKER = (
     "options",
     "mesh_field",
     "place_light",
+    "stage_hands",
+    "stage_place",
     "stage_shadows",
     "worker",
     "stage",

@@ -2,19 +2,20 @@
 const k_unknown = { pile: 0, shadow: 0, occlusion: 255, sky: 255 }; // their one byte where nothing is known yet
 
 export class ShadowTextures {
-  // `engine`: make(side, bytes), which may be several squares one above the other, fill(texture, bytes) and sideOf(texture).
+  // `engine`: make(side, bytes), which may be several squares one above the other, and fill(texture, bytes).
   // `placed(name, texture)` is called with each new one.
   constructor(engine, placed) {
-    Object.assign(this, { engine, placed, all: {} });
+    Object.assign(this, { engine, placed, all: {}, sizes: {} });
     for (const [name, level] of Object.entries(k_unknown)) this.show(name, { side: 1, bytes: Uint8Array.of(level) });
   }
   show(name, { side, bytes }) {
-    const { all, engine } = this;
+    const { all, sizes, engine } = this;
     const before = all[name];
-    if (before && engine.sideOf(before) === side) {
+    if (before && sizes[name] === bytes.length) {
       engine.fill(before, bytes);
       return;
     }
+    sizes[name] = bytes.length;
     before?.dispose();
     this.put(name, engine.make(side, bytes));
   }

@@ -50,6 +50,23 @@ export interface Ball {
   radius: number;
   velocity?: Triple;
 }
+/** Its radius, metres, as WebXR gives it. */
+export interface Joint {
+  position: Triple;
+  radius: number;
+}
+/** A depth image, the upper row first, and its own camera: focal lengths and the middle in its pixels, the middle of the first being
+ * 0, and how it looks along -z of the image as stored. `toMetres`: what a number is multiplied by; 1 if not given. 0 is unknown. */
+export interface Depth {
+  data: Uint16Array | Float32Array;
+  width: number;
+  height: number;
+  toMetres?: number;
+  focal: ArrayLike<number>;
+  centre: ArrayLike<number>;
+  position: Triple;
+  orientation: Quadruple;
+}
 /** RGBA bytes, 4 * width * height of them, the upper row first. */
 export interface Image {
   data: Uint8Array | Uint8ClampedArray | number[];
@@ -153,12 +170,20 @@ interface Methods {
   createSand(options?: SandOptions): { radius: number };
   /** Gives the number that move() and remove() take. */
   addModel(model: Mesh & Pose, options?: ModelOptions): number;
+  /** A mesh of the real place, up to 1,000,000 triangles. One that is closed, its triangles counter-clockwise from outside, is solid, as
+   * models are: 32 in all. Of others, up to 256, the highest surface counts, up to 0.5 m above the floor and `half` around the origin.
+   * Gives a number as addModel does. Without `height` in the stage's options, receivers then stand as high as places. */
+  addPlace(place: Mesh & Pose): number;
   move(model: number, position: Triple, rotation: Quadruple): void;
   remove(model: number): void;
   /** Whether it throws a shadow from now on. */
   setShadow(model: number, shadow: boolean): void;
   pour(...nozzles: Nozzle[]): void;
   push(...balls: Ball[]): void;
+  /** At most 2, that push sand from now on: of each the 25 joints of WebXR, in their order; null where it is lost. */
+  setHands(...hands: (readonly Joint[] | null)[]): void;
+  /** Sand lies on what it shows, within `half` around the origin. One with the numbers of the one before is passed over. */
+  seeDepth(depth: Depth): void;
   see(image: Image, view?: View): void;
   frame(seconds: number): Drawn;
 }
@@ -197,6 +222,8 @@ export declare class Stage {
   /** Of images that see() was given. */
   readonly images: number;
   readonly room: Handle<"sandglass_room">;
+  /** What places and depth images have told, for sandglass_relief_get_heights; 0: there were none. */
+  readonly relief: Handle<"sandglass_relief"> | 0;
   /** The light of the place that the room tells now, and the light that fade() has come to. */
   readonly roomLight: sandglass_room_light;
   readonly fadedLight: sandglass_room_light;

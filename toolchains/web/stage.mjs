@@ -6,6 +6,7 @@ import { SkinChanges } from "./skin_changes.mjs";
 import {
   ballsOf,
   checked,
+  handsOf,
   k_balls,
   k_model_options,
   k_nozzles,
@@ -18,11 +19,13 @@ import {
 } from "./options.mjs";
 import { checkedMesh, fieldOf, made, matrixOf } from "./mesh_field.mjs";
 import { PlaceLight } from "./place_light.mjs";
+import { StageHands, k_hand_bodies } from "./stage_hands.mjs";
+import { StagePlace, isSolid } from "./stage_place.mjs";
 import { StageShadows } from "./stage_shadows.mjs";
 import { fieldMade } from "./worker.mjs";
 
-const k_models = 32;
-const k_colliders = 1 + k_models + k_balls; // with the floor
+const k_models = 32; // and places that are solid
+const k_colliders = 2 + k_models + k_balls + k_hand_bodies; // with the floor and what is open of the place
 const k_streams = 3; // of nozzles, that are drawn
 const k_most_particles = 4e6;
 const k_finest = 0.0001; // metres, of a particle
@@ -31,7 +34,7 @@ const k_widest = 99; // particles, of a nozzle's radius
 const k_fastest = 100; // metres a second, of a nozzle
 const k_fade = 5; // seconds after an image in which light and shadows are told anew
 const k_friction = { static_friction: 0.6, kinetic_friction: 0.55 };
-const k_still = { rotation: [0, 0, 0, 1], size: [1, 1, 1], linear_velocity: [0, 0, 0], field: 0, id: 0 };
+const k_still = { rotation: [0, 0, 0, 1], size: [1, 1, 1], linear_velocity: [0, 0, 0], field: 0, relief: 0, id: 0 };
 
 export class Stage {
   #options;
@@ -48,7 +51,9 @@ export class Stage {
   #radius = 0; // of the particles that are drawn
   #changes; // of the skin that is drawn
   #nozzles = [];
-  #hands = [];
+  #balls = [];
+  #hands = new StageHands();
+  #place;
   #fields = Promise.resolve();
   #unmade = 0; // fields
   #input;
@@ -75,6 +80,7 @@ export class Stage {
     this.#options = { origin: numbersOf(origin, 3), half, height };
     this.#light = new PlaceLight(sand, this.#options.origin, reflections);
     this.#shadows = new StageShadows(sand, this.#options, k_models);
+    this.#place = new StagePlace(sand, this.#options);
     this.#report = sand.make("sandglass_frame_report");
     this.#colliders = sand.array("sandglass_collider", k_colliders);
     this.#emitters = sand.array("sandglass_emitter", k_nozzles);
@@ -114,10 +120,10 @@ export class Stage {
   // there is gone.
   createSand({ particles = 3000, radius = 0.006, ...granular } = {}) {
     checked("createSand", { particles, radius }, k_sand_options);
-    if (particles > k_most_particles || radius < k_finest || radius > k_coarsest)
+    if (particles > k_most_particles || !Number.isInteger(particles) || radius < k_finest || radius > k_coarsest)
       throw new Error(
         `sandglass: createSand makes no ${particles} particles of ${radius} m. ` +
-          `Pass at most ${k_most_particles}, of a radius from ${k_finest} to ${k_coarsest} m.`,
+          `Pass at most ${k_most_particles}, a whole number, of a radius from ${k_finest} to ${k_coarsest} m.`,
       );
     const pile = this.#shadows.madePile();
     try {
@@ -168,7 +174,11 @@ export class Stage {
   }
   // Balls that push sand from now on: { position, radius, velocity }.
   push(...balls) {
-    this.#hands = ballsOf(balls);
+    this.#balls = ballsOf(balls);
+  }
+  // Hands that push sand from now on: of each the 25 joints of WebXR in their order, { position, radius }, or null where it is lost.
+  setHands(...hands) {
+    this.#hands.take(handsOf(hands));
   }
 
   // ---- Models
@@ -178,11 +188,23 @@ export class Stage {
   // and remove() take.
   addModel({ position, rotation, ...mesh }, options = {}) {
     checked("addModel", options, k_model_options);
-    const { shadow = true, collide = true } = options;
-    if (this.#models.size === k_models)
+    return this.#add(checkedMesh(mesh), poseOf("addModel", position, rotation), { shadow: true, collide: true, ...options });
+  }
+  // A mesh of the real place: sand lies on it, and it throws no shadow, which the place shows itself. What is closed is as solid
+  // as a model. Of what is open, as a scan of a room, the highest surface counts up to 0.5 m above the floor, within `half`.
+  addPlace({ position, rotation, ...mesh }) {
+    const known = checkedMesh(mesh);
+    const pose = poseOf("addPlace", position, rotation);
+    this.#shadows.refuseMany(known.count);
+    const solid = isSolid(known);
+    const top = this.#place.makeRoom(this.#open.length + !solid, known, pose, solid);
+    const number = this.#add(known, pose, { shadow: false, collide: solid, open: !solid });
+    if (top > 0 && this.#shadows.raise(top)) this.#fading = k_fade;
+    return number;
+  }
+  #add({ positions, indices, ...known }, pose, { shadow, collide, open = false }) {
+    if (!open && this.#models.size - this.#open.length === k_models)
       throw new Error(`sandglass: a stage holds ${k_models} models. Remove one, or join their meshes.`);
-    const { positions, indices, ...known } = checkedMesh(mesh);
-    const pose = poseOf("addModel", position, rotation);
     const blocks = [];
     try {
       if (shadow) this.#makeRoom(2, this.#triangles + known.count);
@@ -191,11 +213,23 @@ export class Stage {
       for (const block of blocks) this.sand.free(block);
       throw error;
     }
-    const model = { ...known, ...pose, shadow, collide, positions: blocks[0], indices: blocks[1], field: 0 };
+    const model = { ...known, ...pose, shadow, collide, open, positions: blocks[0], indices: blocks[1], field: 0 };
     this.#models.set(this.#next, model);
     this.#moved = true;
     this.#giveField(model);
     return this.#next++;
+  }
+  get #open() {
+    return [...this.#models].filter(([, { open }]) => open);
+  }
+  // Of WebXR: { data, width, height, toMetres, focal, centre, position, orientation } of the depth camera. Focal lengths and the
+  // middle are in pixels; the camera looks along -z of the image as it is stored.
+  seeDepth(image) {
+    this.#place.see(image);
+  }
+  // What is known of the place's heights; 0: nothing.
+  get relief() {
+    return this.#place.relief;
   }
   #model(number) {
     const model = this.#models.get(number);
@@ -281,6 +315,7 @@ export class Stage {
   }
   #castModels() {
     this.#shadows.setModels(this.#casting);
+    this.#place.setMeshes(this.#open);
     this.#moved = false;
   }
   // Models throw shadows on this plane, too: its axes, whose y is the normal, and how far it reaches along x and z. null:
@@ -354,6 +389,7 @@ export class Stage {
     this.#nozzles.forEach((nozzle, i) => this.#emitters[i].set(nozzle));
     this.#input.set({
       ...this.#shadows.fields,
+      ...this.#place.fields(),
       time_step: seconds,
       collider_count: sandy ? bodies.length : 0,
       emitter_count: sandy && this.#unmade === 0 ? this.#nozzles.length : 0,
@@ -363,12 +399,14 @@ export class Stage {
   }
   // What the sand collides with.
   #bodies() {
-    const bodies = [{ shape: constants.SANDGLASS_SHAPE_HALF_SPACE, position: this.#options.origin }];
+    const { SANDGLASS_SHAPE_HALF_SPACE, SANDGLASS_SHAPE_FIELD, SANDGLASS_SHAPE_SPHERE } = constants;
+    const floor = { shape: SANDGLASS_SHAPE_HALF_SPACE, position: this.#options.origin };
+    const bodies = [floor, ...this.#place.bodies, ...this.#hands.bodies];
     for (const [id, { position, rotation, field }] of this.#models)
-      if (field) bodies.push({ shape: constants.SANDGLASS_SHAPE_FIELD, position, rotation, field, id });
-    for (const { position, radius, velocity = [0, 0, 0] } of this.#hands) {
+      if (field) bodies.push({ shape: SANDGLASS_SHAPE_FIELD, position, rotation, field, id });
+    for (const { position, radius, velocity = [0, 0, 0] } of this.#balls) {
       const size = [radius, 0, 0];
-      bodies.push({ shape: constants.SANDGLASS_SHAPE_SPHERE, position, size, linear_velocity: velocity });
+      bodies.push({ shape: SANDGLASS_SHAPE_SPHERE, position, size, linear_velocity: velocity });
     }
     return bodies;
   }

@@ -1,10 +1,11 @@
 // The shadows of a stage: what its models throw on the floor and on a wall, and what its sand throws on the floor and on
 // itself, as textures of the library.
 import { constants } from "./sandglass.mjs";
-import { made, matrixOf } from "./mesh_field.mjs";
+import { castMesh, made } from "./mesh_field.mjs";
 
 const k_texels = { pile: 128, sky: 64, shadow: 256, occlusion: 128 };
 const k_planes = 2; // the floor and the wall
+const k_height_step = 0.25; // metres, of what stands there that receives them
 const k_layers = 4; // of the floor's shadows, where something that receives them stands on it
 const k_cast_textures = [
   ["shadow", "occlusion"],
@@ -21,6 +22,7 @@ const scalar_product = (a, b) => a.reduce((sum, c, k) => sum + c * b[k], 0);
 export class StageShadows {
   #sand;
   #area; // { origin, half } of the sand's shadows; and `height`, up to which something receives those of models
+  #given; // a height
   #capacity; // of models
   #triangles = k_triangles;
   #casts = []; // handles, of the floor and of the wall
@@ -41,12 +43,34 @@ export class StageShadows {
   constructor(sand, area, models) {
     this.#sand = sand;
     this.#area = area;
+    this.#given = area.height !== undefined;
     this.#list = sand.allocate(4 * k_planes);
     this.#meshes = sand.array("sandglass_cast_mesh", models);
     this.#capacity = models;
     this.#texture = sand.make("sandglass_texture");
     this.#words = sand.allocate(4 * constants.SANDGLASS_LIGHT_CELLS);
     this.#setPlane(0, { origin: area.origin, ...(area.height && { height: area.height }) });
+  }
+
+  // What receives shadows stands so high above the floor: for an app that has said no height. Says whether a cast was made, which
+  // knows no light and no models.
+  raise(top) {
+    const before = this.#area;
+    const height = k_height_step * Math.ceil(top / k_height_step);
+    if (this.#given || !(height > (before.height ?? 0))) return false;
+    const [cast] = this.#casts;
+    this.#area = { ...before, height };
+    delete this.#casts[0];
+    try {
+      this.#setPlane(0, { origin: before.origin, height });
+    } catch (error) {
+      this.#casts[0] = cast;
+      this.#area = before;
+      throw error;
+    }
+    this.#sand.destroy(cast);
+    for (const name of k_cast_textures[0]) delete this.#boxes[name]; // those that are shown have other layers
+    return true;
   }
 
   // What is refused leaves the planes and the casts as they were.
@@ -188,17 +212,7 @@ export class StageShadows {
   // The models that throw shadows: pairs of a number and the model.
   setModels(models) {
     const sand = this.#sand;
-    models.forEach(([version, { positions, vertices, indices, count, position, rotation }], i) => {
-      sand.sandglass_cast_mesh_default(this.#meshes[i]);
-      this.#meshes[i].set({
-        positions,
-        vertex_count: vertices,
-        indices,
-        triangle_count: count,
-        version,
-        world_from_mesh: matrixOf(position, rotation),
-      });
-    });
+    models.forEach((model, i) => castMesh(sand, this.#meshes[i], model));
     for (const cast of this.#casts) sand.sandglass_cast_set_meshes(cast, this.#meshes, models.length);
   }
 

@@ -9,6 +9,7 @@ import { checked } from "./options.mjs";
 import { frustumOf } from "./place_light.mjs";
 
 // The lowest that have what is used: chunks and ranges of buffers; one node material for both of its back ends.
+const k_first = -1e9; // in the order of drawing, of what hides and is not seen
 const k_revisions = { webgl: 160, nodes: 184 };
 
 // `renderer` and `scene` are needed; `worker`: the stage runs in a Worker; else options of Stage.create.
@@ -166,6 +167,45 @@ class ThreeStage extends Engine {
   // No shadow of this stage falls on it any more.
   stopReceiving(material) {
     this.receiver.stop(material);
+  }
+
+  hide(object) {
+    const { visible } = object;
+    object.visible = false;
+    return () => Object.assign(object, { visible });
+  }
+  // Hides what is behind it: its depth is drawn before all else, and a little farther, and then its shadows on what is there.
+  veilOf(object, { positions, indices }, pose) {
+    const { THREE } = this;
+    const geometry = new THREE.BufferGeometry();
+    geometry.setAttribute("position", new THREE.BufferAttribute(positions, 3));
+    geometry.setIndex(new THREE.BufferAttribute(indices, 1));
+    const { side = THREE.FrontSide } = [this.meshesOf(object)[0]?.material].flat()[0] ?? {};
+    const shaded = new THREE.MeshStandardMaterial({ side, flatShading: true, fog: false, depthWrite: false });
+    const materials = [
+      new THREE.MeshBasicMaterial({
+        ...{ side, colorWrite: false },
+        ...{ polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 },
+      }),
+      this.receive(shaded, { shadowOnly: true }),
+    ];
+    const group = new THREE.Group();
+    for (const material of materials)
+      group.add(Object.assign(new THREE.Mesh(geometry, material), { renderOrder: k_first, raycast() {} }));
+    const veil = {
+      move({ position, rotation }) {
+        group.position.set(...position);
+        group.quaternion.set(...rotation);
+      },
+      end: () => {
+        group.removeFromParent();
+        this.stopReceiving(shaded);
+        for (const one of [geometry, ...materials]) one.dispose();
+      },
+    };
+    veil.move(pose);
+    this.scene.add(group);
+    return veil;
   }
 
   // Sand, as a Group in the scene. Options as for Stage.createSand.

@@ -181,7 +181,6 @@ export const textureMaker = ({ DataTexture, LinearFilter, RedFormat }) => ({
     texture.image.data.set(bytes);
     texture.needsUpdate = true;
   },
-  sideOf: (texture) => texture.image.width,
 });
 
 // The block of grains.

@@ -5,7 +5,17 @@ import { compile } from "./sandglass.mjs";
 import { structs, functions, constants } from "./abi.mjs";
 import { text } from "./worker_text.mjs";
 import { sandBlock } from "./sand_block.mjs";
-import { ballsOf, checked, k_ended, k_options, k_view_options, nozzlesOf, poseOf } from "./options.mjs";
+import {
+  ballsOf,
+  checked,
+  handsOf,
+  k_depth_options,
+  k_ended,
+  k_options,
+  k_view_options,
+  nozzlesOf,
+  poseOf,
+} from "./options.mjs";
 
 const k_own_worker = false; // in that text: true
 const k_policy = "Allow worker-src blob: in the page's policy.";
@@ -97,6 +107,9 @@ export class WorkerStage {
 const k_sent = {
   pour: (...nozzles) => nozzlesOf(nozzles),
   push: (...balls) => ballsOf(balls),
+  setHands: (...hands) => handsOf(hands),
+  addPlace: ({ position, rotation, ...mesh }) => [{ ...mesh, ...poseOf("addPlace", position, rotation) }],
+  seeDepth: (image) => [checked("seeDepth", image, k_depth_options, { reach: 1e6 })],
   addModel: ({ position, rotation, ...mesh }, options) => [
     { ...mesh, ...poseOf("addModel", position, rotation) },
     options,
@@ -104,7 +117,8 @@ const k_sent = {
   move: (model, position, rotation) => [model, ...Object.values(poseOf("move", position, rotation))],
   see: (image, view = {}) => [image, checked("see", view, k_view_options)],
 };
-for (const name of ["createSand", "addModel", "move", "remove", "setShadow", "pour", "push", "see", "frame"])
+const k_calls = ["createSand", "addModel", "addPlace", "move", "remove", "setShadow", "pour", "push", "setHands", "see"];
+for (const name of [...k_calls, "seeDepth", "frame"])
   WorkerStage.prototype[name] = async function (...values) {
     return this.call("stage", name, k_sent[name]?.(...values) ?? values);
   };

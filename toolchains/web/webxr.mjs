@@ -1,0 +1,54 @@
+// What WebXR tells of hands and depth, as a stage takes it.
+
+const k_pixels = { 2: Uint16Array, 4: Float32Array }; // by their bytes
+const k_straight = 1e-3; // how far a depth image's axes may be from square
+
+// The left hand and the right: of each its joints, or null where one of them is lost.
+export const handJoints = (frame, space) =>
+  ["left", "right"].map((side) => {
+    const source = [...frame.session.inputSources].find(({ hand, handedness }) => hand && handedness === side);
+    const joints = [...(source?.hand.values() ?? [])].map((joint) => frame.getJointPose(joint, space));
+    if (joints.length === 0 || !joints.every((pose) => pose?.radius > 0)) return null;
+    return joints.map(({ transform: { position }, radius }) => ({ position, radius }));
+  });
+
+// A depth image as its own camera took it: how its columns and rows lie in the view is in normDepthBufferFromNormView, and it may have
+// a pose and a projection of its own. Depth is along the camera's axis.
+export function depthOf(depth, view) {
+  const { width, height, rawValueToMeters, normDepthBufferFromNormView } = depth;
+  const { transform, projectionMatrix } = depth.projectionMatrix && depth.transform ? depth : (view ?? {});
+  const Kind = k_pixels[depth.data?.byteLength / (width * height)];
+  if (!depth.data)
+    throw new Error(
+      "sandglass: seeDepth cannot read a texture. Ask the session for depthSensing with cpu-optimized, or read it back and pass { data, " +
+        "width, height, rawValueToMeters, normDepthBufferFromNormView }.",
+    );
+  if (!Kind || !transform || !projectionMatrix || !normDepthBufferFromNormView)
+    throw new Error(
+      "sandglass: seeDepth takes what frame.getDepthInformation(view) gives, with 2 or 4 bytes a pixel, and that view.",
+    );
+  const { 0: a, 1: b, 4: c, 5: d, 12: e, 13: f } = normDepthBufferFromNormView.matrix;
+  const { 0: px, 5: py, 8: cx, 9: cy } = projectionMatrix;
+  const area = a * d - b * c;
+  // What a pixel to the right, and one down, are in the plane at one metre before the camera, y up.
+  const right = [(2 * d) / (area * width * px), (2 * b) / (area * width * py)];
+  const down = [(-2 * c) / (area * height * px), (-2 * a) / (area * height * py)];
+  const [columns, rows] = [Math.hypot(...right), Math.hypot(...down)];
+  const [cos, sin] = right.map((x) => x / columns);
+  const [x, y] = down.map((one) => one / rows);
+  if (!(Math.abs(cos * x + sin * y) < k_straight && sin * x - cos * y > 0))
+    throw new Error("sandglass: seeDepth takes a depth image that is turned and scaled, not mirrored or sheared.");
+  const [u, v] = [(1 - cx) / 2, (1 + cy) / 2]; // where the camera's axis meets the view
+  const { orientation: q, position: p } = transform;
+  const [s, w] = [Math.sin(Math.atan2(sin, cos) / 2), Math.cos(Math.atan2(sin, cos) / 2)];
+  return {
+    data: new Kind(depth.data.buffer ?? depth.data, depth.data.byteOffset ?? 0, width * height),
+    width,
+    height,
+    toMetres: rawValueToMeters,
+    focal: [1 / columns, 1 / rows],
+    centre: [(a * u + c * v + e) * width - 0.5, (b * u + d * v + f) * height - 0.5],
+    position: [p.x, p.y, p.z],
+    orientation: [q.x * w + q.y * s, q.y * w - q.x * s, q.z * w + q.w * s, q.w * w - q.z * s],
+  };
+}
