@@ -9,6 +9,7 @@ const BABYLON = await import(pathToFileURL(`${engines}/node_modules/@babylonjs/c
 const { createStage } = await import(pathToFileURL(`${npm}/three.mjs`));
 const { createStage: createBabylonStage } = await import(pathToFileURL(`${npm}/babylon.mjs`));
 const { WorkerStage, fieldMade } = await import(pathToFileURL(`${npm}/worker.mjs`));
+const { depthOf, handJoints } = await import(pathToFileURL(`${npm}/webxr.mjs`));
 const { text } = await import(pathToFileURL(`${npm}/worker_text.mjs`));
 
 const warned = [];
@@ -133,7 +134,24 @@ async function babylonTakes(right) {
   stage.pour({ position: new BABYLON.Vector3(0, 0.3, 0), rotation: BABYLON.Quaternion.Identity() });
   stage.push({ position: new BABYLON.Vector3(0, 0.1, 0), radius: 0.02 });
   await stage.addModel(thin);
+  const tilted = box(0.2, root);
+  tilted.rotation.set(0.3, 0.2, 0.1);
+  tilted.position.set(0.3, 0.1, 0.2);
+  const bounds = ({ minimumWorld, maximumWorld }) => [...minimumWorld.asArray(), ...maximumWorld.asArray()];
+  tilted.computeWorldMatrix(true);
+  const was = bounds(tilted.getBoundingInfo().boundingBox);
+  const place = await stage.addPlace(tilted);
+  const veil = scene.meshes.slice(-2);
+  for (const mesh of veil) {
+    mesh.computeWorldMatrix(true);
+    mesh.refreshBoundingInfo();
+    const now = bounds(mesh.getBoundingInfo().boundingBox);
+    assert.ok(now.every((x, i) => Math.abs(x - was[i]) < 1e-4), `${now}, not ${was}`);
+  }
+  assert.deepEqual([tilted.isEnabled(), veil[0].material.disableColorWrite, veil[0].material.uniqueId < 0], [false, true, true]);
   stage.update(0.1);
+  await place.dispose();
+  assert.deepEqual([tilted.isEnabled(), veil.some((mesh) => scene.meshes.includes(mesh))], [true, false]);
   stage.dispose();
   assert.equal(textures, 0);
   engine.dispose();
@@ -250,6 +268,117 @@ async function isAddedOnce() {
   stage.dispose();
 }
 
+// A place is hidden, and something stands for it that hides and receives, where it stands; withdrawn, all is as before.
+async function takesPlaces() {
+  const scene = new THREE.Scene();
+  const stage = await threeStage(scene);
+  const before = scene.children.length;
+  const table = new THREE.Mesh(new THREE.CylinderGeometry(0.2, 0.2, 0.1, 24));
+  const group = new THREE.Group().add(table);
+  group.scale.set(2, 1, -1);
+  group.rotation.set(0, 0.3, 0);
+  group.position.x = 0.1;
+  scene.add(group);
+  const place = await stage.addPlace(group);
+  assert.equal(stage.stage.relief, 0, "a closed mesh is no height");
+  const veil = scene.children.at(-1);
+  const [hides, receives] = veil.children;
+  assert.deepEqual([group.visible, scene.children.length], [false, before + 2]);
+  const is = ({ material, renderOrder }) => [material.colorWrite, material.depthWrite, material.transparent, renderOrder < 0];
+  assert.deepEqual([hides, receives].map(is), [[false, true, false, true], [true, false, true, true]]);
+  const box = (object) => new THREE.Box3().setFromObject(object, true);
+  const same = (a, b) => assert.ok(a.min.distanceTo(b.min) + a.max.distanceTo(b.max) < 1e-5, "it stands elsewhere");
+  same(box(veil), box(group));
+  await assert.rejects(stage.addPlace(group), /addPlace has this object already\. Call its dispose first/);
+  await assert.rejects(stage.removeModel(group), /removeModel takes an object/);
+  group.position.set(0.3, 0.2, 0);
+  stage.update(1 / 60);
+  same(box(veil), box(group));
+  table.geometry = new THREE.PlaneGeometry(0.4, 0.4).rotateX(-Math.PI / 2);
+  await place.update();
+  assert.notEqual(stage.stage.relief, 0, "an open mesh is no height");
+  assert.deepEqual([veil.parent, scene.children.length], [null, before + 2]);
+  same(box(scene.children.at(-1)), box(group));
+  table.geometry = new THREE.BufferGeometry();
+  await assert.rejects(place.update(), /no triangles/);
+  assert.deepEqual([group.visible, scene.children.length], [false, before + 2]);
+  await place.dispose();
+  await place.dispose();
+  await assert.rejects(place.update(), /has been withdrawn\. Call addPlace/);
+  assert.deepEqual([group.visible, scene.children.length], [true, before + 1]);
+  await assert.rejects(stage.addPlace(group), /no triangles/);
+  assert.ok(group.visible);
+  table.geometry = new THREE.BoxGeometry(0.1, 0.1, 0.1);
+  await stage.addPlace(group);
+  stage.dispose();
+  assert.deepEqual([group.visible, scene.children.length], [true, 1]);
+}
+
+// An emulated device: hands of 25 joints, the second lost; and depth of a phone held upright, whose image is turned by 90 degrees
+// and wider than the view. A pixel's ray is that which WebXR says by its two matrices.
+async function takesWebXR() {
+  const joint = (x) => ({ x });
+  const handOf = (handedness) => ({ handedness, hand: new Map(Array.from({ length: 25 }, (_, i) => [i, joint(i)])) });
+  const frame = {
+    session: { inputSources: [{ handedness: "none" }, handOf("right"), handOf("left")] },
+    getJointPose: ({ x }, space) =>
+      space === lost && x === 7 ? null : { radius: 0.01, transform: { position: { x, y: 1, z: 0, w: 1 } } },
+  };
+  const lost = {};
+  assert.deepEqual(
+    handJoints(frame, {}).map((hand) => [hand.length, hand[7].position.x, hand[7].radius]),
+    [[25, 7, 0.01], [25, 7, 0.01]],
+  );
+  assert.deepEqual(handJoints(frame, lost), [null, null]);
+  frame.session.inputSources.pop();
+  assert.deepEqual(handJoints(frame, {}).map(Boolean), [false, true]);
+
+  const turn = new THREE.Quaternion().setFromEuler(new THREE.Euler(-0.5, 0.4, 0.1));
+  const { x, y, z, w } = turn;
+  const camera = new THREE.PerspectiveCamera(50, 0.5);
+  camera.setViewOffset(100, 200, 4, -6, 100, 200); // not in the middle
+  const projectionMatrix = camera.projectionMatrix.elements;
+  const view = { projectionMatrix, transform: { position: { x: 0.1, y: 1, z: 0, w: 1 }, orientation: { x, y, z, w } } };
+  const matrix = (...m) => ({ matrix: Float32Array.of(...m) });
+  // Columns of the view's (u, v): the image's width runs down the view, and its height to the left.
+  const upright = matrix(0, -0.8, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, 0, 0.9, 0, 1);
+  const straight = matrix(1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1);
+  const depth = { width: 16, height: 9, rawValueToMeters: 0.001, data: new ArrayBuffer(288) };
+  for (const normDepthBufferFromNormView of [upright, straight]) {
+    const taken = depthOf({ ...depth, normDepthBufferFromNormView }, view);
+    const inView = new THREE.Matrix4().fromArray(normDepthBufferFromNormView.matrix).invert();
+    const back = new THREE.Matrix4().fromArray(projectionMatrix).invert();
+    for (const [column, row] of [[0, 0], [15, 0], [3, 8]]) {
+      const at = new THREE.Vector3((column + 0.5) / 16, (row + 0.5) / 9, 0).applyMatrix4(inView);
+      const ray = new THREE.Vector3(2 * at.x - 1, 1 - 2 * at.y, 0).applyMatrix4(back).normalize().applyQuaternion(turn);
+      const own = new THREE.Vector3(
+        (column - taken.centre[0]) / taken.focal[0],
+        (taken.centre[1] - row) / taken.focal[1],
+        -1,
+      );
+      own.normalize().applyQuaternion(new THREE.Quaternion(...taken.orientation));
+      assert.ok(own.distanceTo(ray) < 1e-5, `${column}, ${row}: ${own.toArray()}, not ${ray.toArray()}`);
+    }
+    assert.deepEqual([taken.data.constructor, taken.data.length, taken.toMetres], [Uint16Array, 144, 0.001]);
+  }
+  const own = { projectionMatrix, transform: { ...view.transform, position: { x: 9, y: 0, z: 0, w: 1 } } };
+  const floats = { ...depth, ...own, data: new ArrayBuffer(576), normDepthBufferFromNormView: straight };
+  assert.deepEqual([depthOf(floats, view).position, depthOf(floats, view).data.constructor], [[9, 0, 0], Float32Array]);
+  const texture = { ...depth, data: undefined, texture: {}, normDepthBufferFromNormView: straight };
+  assert.throws(() => depthOf(texture, view), /cannot read a texture\. Ask the session.*cpu-optimized, or read it back/);
+  assert.throws(() => depthOf({ ...depth, data: new ArrayBuffer(9) }, view), /with 2 or 4 bytes a pixel/);
+  const mirrored = matrix(-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 1, 0, 0, 1);
+  const turned = { ...depth, normDepthBufferFromNormView: mirrored };
+  assert.throws(() => depthOf(turned, view), /not mirrored or sheared/);
+  const stage = await threeStage();
+  await stage.seeDepth(null, view);
+  assert.equal(stage.stage.relief, 0);
+  await stage.seeDepth(floats, view);
+  assert.notEqual(stage.stage.relief, 0);
+  stage.seeHands(frame, {});
+  stage.seeHands();
+}
+
 // Workers that answer at once, never, or that the page's policy forbids.
 async function answersFromWorkers() {
   const workers = [];
@@ -319,6 +448,8 @@ for (const right of [true, false]) await babylonTakes(right);
 await takesCameras();
 await followsWhatIsSeen();
 await isAddedOnce();
+await takesPlaces();
+await takesWebXR();
 await answersFromWorkers();
 assert.deepEqual(told, []);
 console.log("objects, cameras and vectors of two engines are taken, and all promises answered");

@@ -15,6 +15,11 @@ const turned = (rotation) => ({ ...k_tetrahedron, ...k_here, rotation });
 const many = (count) => ({ ...k_tetrahedron, indices: Uint32Array.from({ length: 3 * count }, (_, i) => i % 3) });
 const bytes = (count, Kind = Uint8Array) => ({ data: new Kind(count).fill(99), width: 8, height: 6 });
 const rows = (count, make) => Array.from({ length: count }, (_, i) => make(i));
+const joints = (count, more = {}) => rows(count, () => ({ position: [0, 0.2, 0], radius: 0.01, ...more }));
+const depth = (more) => ({
+  ...{ data: new Float32Array(48), width: 8, height: 6, focal: [9, 9], centre: [4, 3] },
+  ...{ position: [0, 1, 0], orientation: [0, 0, 0, 1], ...more },
+});
 const ball = { position: [0, 0.2, 0], radius: 0.1 };
 
 const stage = await Stage.create();
@@ -47,6 +52,20 @@ const refused = [
   [() => stage.createSand({ radius: 1e-5 }), /a radius from 0\.0001 to 10 m/],
   [() => stage.createSand({ static_friction: -1 }), /static_friction must be 0 to 10/],
   [() => stage.createSand({ particles: 4e6 }), /there is no memory for \d+ bytes\. Make/],
+  [() => stage.createSand({ particles: 2.5 }), /no 2\.5 particles.*at most 4000000, a whole number/],
+  [() => stage.addPlace({ ...many(1_000_001), ...k_here }), /a place has 1000000 triangles at most, .* 1000001\. Simp/],
+  [() => stage.addPlace({ ...k_tetrahedron, indices: [], ...k_here }), /no triangles\. Add an object that has a mesh/],
+  [() => stage.addPlace(turned([0, 0, 0, 0])), /addPlace: rotation must be 4 numbers.*not all 0/],
+  [() => stage.setHands(joints(24)), /has the 25 joints of WebXR, in their order, not 24\. Pass null/],
+  [() => stage.setHands(null, null, null), /setHands takes 2 hands, not 3/],
+  [() => stage.setHands(joints(25, { radius: 0 })), /a joint: radius must be a number above 0/],
+  [() => stage.setHands(joints(25, { position: [NaN, 0, 0] })), /a joint: position must be 3 numbers/],
+  [() => stage.seeDepth(depth({ data: new Uint8Array(48) })), /8 x 6 numbers in a Uint16Array or a Float32Array/],
+  [() => stage.seeDepth(depth({ height: 7 })), /8 x 7 numbers in a/],
+  [() => stage.seeDepth(depth({ focal: [0, 9] })), /focal, centre or toMetres is out of range\. Pass/],
+  [() => stage.seeDepth(depth({ centre: [4, 9] })), /centre or toMetres is out of range\. Pass/],
+  [() => stage.seeDepth(depth({ position: [0, NaN, 0] })), /seeDepth: position must be 3 numbers/],
+  [() => stage.seeDepth(depth({ fov: 50 })), /seeDepth takes no "fov"\. It takes: data/],
   [() => stage.addModel({ ...many(1_000_000), ...k_here }), /1,000,000 triangles at most.* have 1,000,004\. Simp/],
   [() => stage.addModel({ ...k_tetrahedron, indices: [0, 1, 4], ...k_here }), /indices name vertex 4 of 4\. Pass/],
   [() => stage.addModel({ ...k_tetrahedron, indices: [0, 1], ...k_here }), /three indices a triangle\. Pass/],
@@ -77,6 +96,7 @@ for (const [call, sentence] of refused) {
   const { particles, shadowOpacity } = frames(2);
   assert.deepEqual([particles, shadowOpacity], [300, 1], String(call));
 }
+assert.equal(stage.relief, 0); // nothing was made for what was refused
 assert.ok(stage.sand.bytes(held, k_held).every((byte) => byte === 7));
 assert.ok(stage.sand.memory.buffer.byteLength - size < 1 << 27, "what was refused is kept");
 
@@ -86,6 +106,14 @@ stage.see({ ...bytes(192), data: Array(192).fill(99) });
 const large = stage.addModel({ ...many(300_000), ...k_here }, { collide: false });
 frames(2);
 stage.remove(large);
+stage.setHands(joints(25), joints(25));
+stage.seeDepth(depth());
+assert.notEqual(stage.relief, 0);
+const scan = { ...k_tetrahedron, indices: [0, 1, 2], ...k_here };
+const places = rows(256, () => stage.addPlace(scan));
+assert.throws(() => stage.addPlace(scan), /holds 256 open meshes of places\. Remove one, or join them/);
+places.forEach((place) => stage.remove(place));
+frames(2);
 stage.push(...rows(31, () => ({ ...ball, position: { x: 0, y: 0.2, z: 0.1 } })));
 stage.move(model, { x: 0, y: 0, z: 0, w: 1 }, { x: 0, y: 0, z: 0, w: 1 });
 stage.createSand({ particles: 200 });

@@ -45,5 +45,11 @@ sand.sandglass_scene_fame(scene, input, null);
 (await Stage.create()).see({ data: new Uint16Array(4), width: 1, height: 1 });
 // @ts-expect-error: a ball without a radius
 (await Stage.create()).push({ position: [0, 0, 0] });
+// @ts-expect-error: bytes are no depth
+(await Stage.create()).seeDepth({ data: new Uint8Array(4), width: 2, height: 2 });
+// @ts-expect-error: a joint without a radius
+(await Stage.create()).setHands([{ position: [0, 0, 0] }]);
+// @ts-expect-error: a place throws no shadow, which is no option
+(await Stage.create()).addPlace({ positions: [], indices: [], position: [], rotation: [] }, { shadow: true });
 // @ts-expect-error: a misspelt option
 await Stage.create({ budgt: 4 });

@@ -195,7 +195,6 @@ export class Stage {
   addPlace({ position, rotation, ...mesh }) {
     const known = checkedMesh(mesh);
     const pose = poseOf("addPlace", position, rotation);
-    this.#shadows.refuseMany(known.count);
     const solid = isSolid(known);
     const top = this.#place.makeRoom(this.#open.length + !solid, known, pose, solid);
     const number = this.#add(known, pose, { shadow: false, collide: solid, open: !solid });

@@ -5,6 +5,7 @@ import { castMesh, made } from "./mesh_field.mjs";
 import { checked, k_depth_options } from "./options.mjs";
 
 const k_place_meshes = 256; // that are open
+const k_place_triangles = 1e6; // of one
 const k_cell = { most: 256, least: 16, finest: 0.01, coarsest: 0.05 }; // of the map: how many along a side, and metres
 const k_relief_id = 2 ** 31; // as a collider; models have numbers from 1 on
 const k_ceiling = 0.5; // metres above the floor: of relief.h
@@ -93,7 +94,10 @@ export class StagePlace {
   }
 
   // Before a mesh is taken: how many there are with it. Gives up to which height above the floor it has to receive shadows.
-  makeRoom(count, { positions }, { position, rotation }, solid) {
+  makeRoom(count, { positions, indices }, { position, rotation }, solid) {
+    const [most, all] = [k_place_triangles, indices.length / 3];
+    if (all > most)
+      throw new Error(`sandglass: a place has ${most} triangles at most, and this has ${all}. Simplify it, or add its parts.`);
     if (count > k_place_meshes)
       throw new Error(`sandglass: a stage holds ${k_place_meshes} open meshes of places. Remove one, or join them.`);
     if (!solid) this.#needRelief();
