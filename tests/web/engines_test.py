@@ -82,6 +82,72 @@ WORKER = """(async () => {
   return { field, longest, adding: Math.min(...adding), vertices: knot().geometry.getAttribute("position").count, frame: frames.sort((a, b) => a - b)[120], particles: far.drawn.particles };
 })()"""
 
+# A table in a turned and stretched group, its top 0.2 m high, between the camera and a red post. Colours of what is behind its top, as it
+# is, as a place, in the shadow of a ball above it, withdrawn, and withdrawn and hidden; how low sand lies on it, and without it.
+PLACE = """(async () => {
+  renderer.setAnimationLoop(null);
+  const own = new THREE.Scene(), eye = new THREE.PerspectiveCamera(40, 1, 0.1, 10), pause = () => new Promise((done) => setTimeout(done, 4));
+  const mesh = (geometry, color) => new THREE.Mesh(geometry, new THREE.MeshBasicMaterial({ color }));
+  const table = mesh(new THREE.BoxGeometry(0.4, 0.1, 0.2), 0x00ff00), group = new THREE.Group().add(table), post = mesh(new THREE.BoxGeometry(0.1, 1, 0.1), 0xff0000);
+  group.scale.set(1, 2, 2), group.rotation.y = Math.PI / 2, group.position.y = 0.1, post.position.set(0, 0, -0.4);
+  own.background = new THREE.Color(1, 1, 1), own.add(post, group);  // what is drawn first is behind
+  eye.position.set(0, 0.6, 0.8), eye.lookAt(0, 0.2, 0);
+  const far = await createStage(THREE, { renderer, scene: own, worker: true }), take = far.take.bind(far);
+  let low = 9;
+  far.take = (drawn) => { take(drawn); if (drawn.skin) low = drawn.skin.low[1]; };
+  await far.see(photo, camera);
+  const frames = async (count) => { for (let i = 0; i < count; ++i) { far.update(1 / 60); while (far.busy) await pause(); } };
+  const seen = async (x, y, z, count = 2) => {
+    await frames(count), renderer.render(own, eye);
+    const at = new THREE.Vector3(x, y, z).project(eye), pixel = new Uint8Array(4);
+    gl.readPixels((at.x + 1) / 2 * gl.drawingBufferWidth, (at.y + 1) / 2 * gl.drawingBufferHeight, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
+    return [...pixel].slice(0, 3);
+  };
+  const behind = () => seen(0, 0.2, -0.15), found = { plain: await behind() };
+  const place = await far.addPlace(group);
+  found.place = await behind(), found.beside = await seen(0, 0.4, -0.35);
+  const ball = mesh(new THREE.SphereGeometry(0.07), 0x0000ff);
+  ball.position.set(0, 0.275, 0), own.add(ball);
+  await far.addModel(ball, { collide: false });
+  await frames(60), ball.removeFromParent();
+  ball.visible = true, own.add(ball), ball.layers.set(3);  // casts, and is not drawn
+  found.dark = await seen(0, 0.2, 0, 60), found.lit = await seen(-0.18, 0.2, 0.18), found.error = gl.getError();
+  await far.removeModel(ball);
+  await far.createSand({ particles: 400 }), await far.stage.fields;
+  far.pour({ position: [0, 0.4, 0] }), await frames(120), found.on = low;
+  far.pour(), await place.dispose(), await frames(120), found.under = low;
+  found.again = await behind(), group.visible = false, found.without = await behind();
+  return found;
+})()"""
+
+# With Babylon.js: a red post, then a green table before it. The picture where the table hides the post: with neither, with both, as a
+# place, and withdrawn.
+BABYLON_PLACE = """(async () => {
+  const { BABYLON, scene, z } = stage, engine = scene.getEngine(), size = { width: 0.5, height: 0.3, depth: 0.3 };
+  engine.stopRenderLoop();
+  const mesh = (size, colour, ...at) => {
+    const one = BABYLON.CreateBox("", size, scene), material = new BABYLON.StandardMaterial("", scene);
+    one.position.set(...at), one.material = Object.assign(material, { disableLighting: true, emissiveColor: BABYLON.Color3.FromArray(colour) });
+    return one;
+  };
+  const seen = async () => {
+    await scene.whenReadyAsync();
+    for (let i = 0; i < 40; ++i) step();
+    const pixel = new Uint8Array(4), { drawingBufferWidth: width, drawingBufferHeight: height } = gl;
+    const at = BABYLON.Vector3.Project(new BABYLON.Vector3(0.75, 0.2, 0.5 * z), BABYLON.Matrix.Identity(), scene.getTransformMatrix(), new BABYLON.Viewport(0, 0, width, height));
+    gl.readPixels(at.x, height - at.y, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
+    return [...pixel].slice(0, 3);
+  };
+  const found = { bare: await seen() };
+  const post = mesh({ width: 0.3, height: 0.4, depth: 0.1 }, [1, 0, 0], 0.91, 0.1, 0.2 * z), table = mesh(size, [0, 1, 0], 0.75, 0.15, 0.6 * z);
+  table.isVisible = false, found.post = await seen();
+  table.isVisible = true, found.both = await seen();
+  const place = await stage.addPlace(table);
+  found.place = await seen(), await place.dispose(), found.again = await seen();
+  post.dispose(), table.dispose();
+  return { ...found, error: gl.getError() };
+})()"""
+
 
 # What the renderer holds before a stage, and after ten.
 ROUNDS = """(async () => {
@@ -315,6 +381,14 @@ def main(arguments):
                 **far
             ),
         )
+        shows(browser, work, "import map", plain + "map.html?app=light")
+        found = browser.ask(PLACE)
+        white, red, green = [255, 255, 255], [255, 0, 0], [0, 255, 0]
+        colours = [found[name] for name in ("plain", "place", "beside", "again", "without")]
+        check(colours == [green, white, red, green, red], f"a place hides what is behind it, and is not drawn: {colours}")
+        dark, clear = found["dark"], found["lit"]
+        check(max(dark) - min(dark) < 2 and 20 < dark[0] < clear[0] - 60 and found["error"] == 0, f"a shadow falls on it: {dark}, beside {clear}")
+        check(abs(found["on"] - 0.2) < 0.01 and found["under"] < 0.01, "sand lies {on:.3f} m high on it, and {under:.3f} without it".format(**found))
         shows(browser, work, "vite build", built + "?app=light")
         before, after = browser.ask(ROUNDS)
         check(before == after, f"ten stages leave what the renderer held: {before}, {after}")
@@ -341,6 +415,12 @@ def main(arguments):
             ]
             poured(browser, f"babylon, {hand}-handed", (0.5, 0.66), (0.5, 0.85))
             browser.screenshot(work / "pictures" / f"babylon, {hand}-handed.png")
+            found = browser.ask(BABYLON_PLACE)
+            # Of what is not drawn there is the photograph; in the other scene, whose floor it hides too, the colour that the picture begins with.
+            bare = found["bare"] if hand == "right" else [51, 51, 77]
+            near = max(abs(a - b) for a, b in zip(found["place"], bare))
+            right = found["post"] == [255, 0, 0] and found["both"] == found["again"] == [0, 255, 0] and found["error"] == 0
+            check(right and near <= 8, f"babylon, {hand}-handed: a place hides what is behind it: {found}")
             cubes(browser, f"babylon, {hand}-handed")
         check(abs(dark[0] - dark[1]) < 0.02, "over the photograph a shadow is as dark as on the floor's own material")
     finally:

@@ -289,8 +289,7 @@ async function takesPlaces() {
   const box = (object) => new THREE.Box3().setFromObject(object, true);
   const same = (a, b) => assert.ok(a.min.distanceTo(b.min) + a.max.distanceTo(b.max) < 1e-5, "it stands elsewhere");
   same(box(veil), box(group));
-  await assert.rejects(stage.addPlace(group), /addPlace has this object already\. Call its dispose first/);
-  await assert.rejects(stage.removeModel(group), /removeModel takes an object/);
+  await assert.rejects(stage.addPlace(group), /addPlace has this object already\. Call removeModel first/);
   group.position.set(0.3, 0.2, 0);
   stage.update(1 / 60);
   same(box(veil), box(group));
@@ -309,6 +308,12 @@ async function takesPlaces() {
   await assert.rejects(stage.addPlace(group), /no triangles/);
   assert.ok(group.visible);
   table.geometry = new THREE.BoxGeometry(0.1, 0.1, 0.1);
+  const adding = stage.addPlace(group);
+  stage.removeModel(group); // before it is added
+  await Promise.all([adding, stage.addPlace(group)]);
+  assert.deepEqual([group.visible, scene.children.length], [false, before + 2]);
+  await stage.removeModel(group);
+  assert.deepEqual([group.visible, scene.children.length], [true, before + 1]);
   await stage.addPlace(group);
   stage.dispose();
   assert.deepEqual([group.visible, scene.children.length], [true, 1]);
@@ -375,8 +380,8 @@ async function takesWebXR() {
   assert.equal(stage.stage.relief, 0);
   await stage.seeDepth(floats, view);
   assert.notEqual(stage.stage.relief, 0);
-  stage.seeHands(frame, {});
-  stage.seeHands();
+  await stage.seeHands(frame, {});
+  await stage.seeHands();
 }
 
 // Workers that answer at once, never, or that the page's policy forbids.

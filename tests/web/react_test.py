@@ -30,6 +30,9 @@ PAGE = '<!doctype html><meta charset="utf-8"><link rel="icon" href="data:,"><bod
 # Of a scene: pictures drawn so far; its particles; what stands in it.
 PICTURES, PARTICLES = "found.demand.gl.info.render.frame", "found.demand.stage.drawn.particles"
 KINDS = "found.demand.scene.children.map((one) => one.type).sort().join()"
+# What stands for places, and how high it reaches.
+PLACES = "found.demand.scene.children.filter((one) => one.children[0]?.material?.colorWrite === false)"
+TOP = f"({PLACES}.at(-1)?.children[0].geometry.getAttribute('position').array.reduce((a, y, i) => (i % 3 === 1 ? Math.max(a, y) : a), -9))"
 # How many of the pixels of a canvas are as sand is: red over blue, unlike floor and cube.
 SAND = """((canvas) => {
   const flat = Object.assign(document.createElement("canvas"), { width: canvas.width, height: canvas.height }).getContext("2d");
@@ -130,6 +133,13 @@ def main(arguments):
         check(still(browser) == 0, "and nothing is drawn once it lies")
         kinds = browser.ask(KINDS)
         check(kinds == "DirectionalLight,Group,LightProbe,Object3D", f"the scene holds one stage: {kinds}")
+        for table in (1, 2):
+            browser.ask(f"show({{ table: {table} }})")
+            until(browser, f"Math.abs({TOP} - {0.05 * table}) < 1e-6", f"a place stands there, half of {0.1 * table:.1f} m high")
+        check(browser.ask(f"{PLACES}.length") == 1, "and no other")
+        browser.ask("show({ table: 0 })")
+        until(browser, f"{PLACES}.length === 0", "and is withdrawn")
+        check(browser.ask("hand()") == 25, "hands are asked of a session's frame")
         browser.ask("show({ shown: false })")
         until(browser, f"{KINDS} === ''", "unmounted, nothing is left in the scene")
         browser.ask("leave()")

@@ -28,7 +28,7 @@ export interface EngineStage {
    * was seen, it throws no shadow while it is hidden or out of the scene; sand goes on lying on it. Where its parts move (bones,
    * animation), shadow and sand do not follow: that is said once in the console. An object that is added already is refused. */
   addModel(object: object, options?: ModelOptions): Promise<void>;
-  /** Also before addModel has answered. */
+  /** Also before addModel has answered, and of places. */
   removeModel(object: object): Promise<void>;
   /** A part of the real place, such as a scanned room, a table or a mesh of WebXR: sand lies on it, shadows fall on it, it hides what
    * is behind it and is not drawn: the object is hidden meanwhile. Taken as by addModel, and its pose is followed; what is closed is
@@ -45,7 +45,7 @@ export interface EngineStage {
   push(...balls: Ball[]): unknown;
   /** The hands of an XRFrame push sand, in an XRReferenceSpace that is the scene; without a frame there are none. What is lost
    * vanishes, and comes back without a blow. Call it in each frame. */
-  seeHands(frame?: object | null, space?: object): unknown;
+  seeHands(frame?: object | null, space?: object | null): Promise<void>;
   /** What XRFrame.getDepthInformation gives of an XRView (usage cpu-optimized; null is left out): sand lies on what it shows. */
   seeDepth(depth: object | null | undefined, view: object): Promise<void>;
   update(seconds?: number): void;

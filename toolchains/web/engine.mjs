@@ -106,14 +106,15 @@ export class Engine {
   async removeModel(object) {
     if (this.ended) return;
     const model = this.objects.get(object);
-    if (!model || model.place) throw new Error("sandglass: removeModel takes an object that addModel was given.");
+    if (!model) throw new Error("sandglass: removeModel takes an object that addModel was given.");
+    if (model.place) return model.place.dispose();
     this.objects.delete(object);
     await this.stage.remove(model.number ?? (await model.added));
   }
   // A mesh of the real place, as a scanned room or a table: sand lies on it, shadows fall on it, it hides what is behind it, and it is
   // not drawn: the object is hidden for so long. Its pose is followed. Gives what takes its mesh anew, and what withdraws it.
   async addPlace(object) {
-    const { model, mesh } = this.modelOf("addPlace", object, "its dispose");
+    const { model, mesh } = this.modelOf("addPlace", object, "removeModel");
     const place = { update: () => this.renewPlace(object, model), dispose: () => this.removePlace(object, model) };
     model.place = place;
     await this.add(object, model, () => this.stage.addPlace({ ...mesh, ...model.pose }));
@@ -179,9 +180,9 @@ export class Engine {
   }
 
   // The hands of an XRFrame push sand, as they are in that space; without it there are none.
-  seeHands(frame, space) {
+  async seeHands(frame, space) {
     this.refuseEnded();
-    return this.stage.setHands(...(frame ? handJoints(frame, space) : []));
+    await this.stage.setHands(...(frame ? handJoints(frame, space) : []));
   }
   // What getDepthInformation says of an XRView, or of what has the same; null: nothing.
   async seeDepth(depth, view) {

@@ -22,6 +22,11 @@ export declare function useSandglass(): EngineStage;
 export declare function See(props: View & { image: object; camera?: object }): ReactNode;
 /** Its children throw a shadow, and sand lies on them. */
 export declare function Model(props: Group & ModelOptions): ReactNode;
+/** A part of the real place, such as a scanned room: sand lies on its children, shadows fall on them, they hide what is behind them and
+ * are not drawn. `version`: another one where their meshes have changed. */
+export declare function Place(props: Group & { version?: unknown }): ReactNode;
+/** The hands of a WebXR session push sand. */
+export declare function Hands(): ReactNode;
 /** Shadows fall on the materials of its children. */
 export declare function Receive(props: Group & { shadowOnly?: boolean }): ReactNode;
 /** Sand; its children are there once it is. */

@@ -109,6 +109,45 @@ export function Model({ children, shadow, collide, ...group }) {
   return h("group", { ref, ...group }, children);
 }
 
+// A part of the real place: its children, which are not drawn. `version`: another one where their meshes have changed.
+export function Place({ children, version, ...group }) {
+  const { stage, here } = useHere();
+  const ref = useRef();
+  const place = useRef();
+  const fail = useFailure();
+  useEffect(() => {
+    const object = ref.current;
+    place.current = stage.addPlace(object);
+    place.current.then(here.wake, fail);
+    return () => {
+      stage.removeModel(object).catch(() => {});
+      here.wake();
+    };
+  }, [stage]);
+  const told = useRef(version);
+  useEffect(() => {
+    if (told.current === version) return;
+    told.current = version;
+    place.current.then((one) => one.update()).then(here.wake, fail);
+  }, [version]);
+  return h("group", { ref, ...group }, children);
+}
+// The hands of a WebXR session push sand.
+export function Hands() {
+  const { stage } = useHere();
+  const { xr } = useThree((state) => state.gl);
+  const fail = useFailure();
+  const seen = useRef(false);
+  const see = (frame, failed) => {
+    if (!frame && !seen.current) return;
+    seen.current = Boolean(frame);
+    stage.seeHands(frame, xr.getReferenceSpace()).catch(failed);
+  };
+  useFrame((_, _seconds, frame) => see(frame, fail), -2);
+  useEffect(() => () => see(null, () => {}), [stage]);
+  return null;
+}
+
 // What shadows fall on: the materials of its children.
 export function Receive({ children, shadowOnly = false, ...group }) {
   const { stage, here } = useHere();
