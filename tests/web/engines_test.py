@@ -387,8 +387,14 @@ def main(arguments):
         colours = [found[name] for name in ("plain", "place", "beside", "again", "without")]
         check(colours == [green, white, red, green, red], f"a place hides what is behind it, and is not drawn: {colours}")
         dark, clear = found["dark"], found["lit"]
-        check(max(dark) - min(dark) < 2 and 20 < dark[0] < clear[0] - 60 and found["error"] == 0, f"a shadow falls on it: {dark}, beside {clear}")
-        check(abs(found["on"] - 0.2) < 0.01 and found["under"] < 0.01, "sand lies {on:.3f} m high on it, and {under:.3f} without it".format(**found))
+        check(
+            max(dark) - min(dark) < 2 and 20 < dark[0] < clear[0] - 60 and found["error"] == 0,
+            f"a shadow falls on it: {dark}, beside {clear}",
+        )
+        check(
+            abs(found["on"] - 0.2) < 0.01 and found["under"] < 0.01,
+            "sand lies {on:.3f} m high on it, and {under:.3f} without it".format(**found),
+        )
         shows(browser, work, "vite build", built + "?app=light")
         before, after = browser.ask(ROUNDS)
         check(before == after, f"ten stages leave what the renderer held: {before}, {after}")

@@ -146,9 +146,15 @@ async function babylonTakes(right) {
     mesh.computeWorldMatrix(true);
     mesh.refreshBoundingInfo();
     const now = bounds(mesh.getBoundingInfo().boundingBox);
-    assert.ok(now.every((x, i) => Math.abs(x - was[i]) < 1e-4), `${now}, not ${was}`);
+    assert.ok(
+      now.every((x, i) => Math.abs(x - was[i]) < 1e-4),
+      `${now}, not ${was}`,
+    );
   }
-  assert.deepEqual([tilted.isEnabled(), veil[0].material.disableColorWrite, veil[0].material.uniqueId < 0], [false, true, true]);
+  assert.deepEqual(
+    [tilted.isEnabled(), veil[0].material.disableColorWrite, veil[0].material.uniqueId < 0],
+    [false, true, true],
+  );
   stage.update(0.1);
   await place.dispose();
   assert.deepEqual([tilted.isEnabled(), veil.some((mesh) => scene.meshes.includes(mesh))], [true, false]);
@@ -284,8 +290,16 @@ async function takesPlaces() {
   const veil = scene.children.at(-1);
   const [hides, receives] = veil.children;
   assert.deepEqual([group.visible, scene.children.length], [false, before + 2]);
-  const is = ({ material, renderOrder }) => [material.colorWrite, material.depthWrite, material.transparent, renderOrder < 0];
-  assert.deepEqual([hides, receives].map(is), [[false, true, false, true], [true, false, true, true]]);
+  const is = ({ material, renderOrder }) => [
+    material.colorWrite,
+    material.depthWrite,
+    material.transparent,
+    renderOrder < 0,
+  ];
+  assert.deepEqual([hides, receives].map(is), [
+    [false, true, false, true],
+    [true, false, true, true],
+  ]);
   const box = (object) => new THREE.Box3().setFromObject(object, true);
   const same = (a, b) => assert.ok(a.min.distanceTo(b.min) + a.max.distanceTo(b.max) < 1e-5, "it stands elsewhere");
   same(box(veil), box(group));
@@ -332,7 +346,10 @@ async function takesWebXR() {
   const lost = {};
   assert.deepEqual(
     handJoints(frame, {}).map((hand) => [hand.length, hand[7].position.x, hand[7].radius]),
-    [[25, 7, 0.01], [25, 7, 0.01]],
+    [
+      [25, 7, 0.01],
+      [25, 7, 0.01],
+    ],
   );
   assert.deepEqual(handJoints(frame, lost), [null, null]);
   frame.session.inputSources.pop();
@@ -353,7 +370,11 @@ async function takesWebXR() {
     const taken = depthOf({ ...depth, normDepthBufferFromNormView }, view);
     const inView = new THREE.Matrix4().fromArray(normDepthBufferFromNormView.matrix).invert();
     const back = new THREE.Matrix4().fromArray(projectionMatrix).invert();
-    for (const [column, row] of [[0, 0], [15, 0], [3, 8]]) {
+    for (const [column, row] of [
+      [0, 0],
+      [15, 0],
+      [3, 8],
+    ]) {
       const at = new THREE.Vector3((column + 0.5) / 16, (row + 0.5) / 9, 0).applyMatrix4(inView);
       const ray = new THREE.Vector3(2 * at.x - 1, 1 - 2 * at.y, 0).applyMatrix4(back).normalize().applyQuaternion(turn);
       const own = new THREE.Vector3(
@@ -370,7 +391,10 @@ async function takesWebXR() {
   const floats = { ...depth, ...own, data: new ArrayBuffer(576), normDepthBufferFromNormView: straight };
   assert.deepEqual([depthOf(floats, view).position, depthOf(floats, view).data.constructor], [[9, 0, 0], Float32Array]);
   const texture = { ...depth, data: undefined, texture: {}, normDepthBufferFromNormView: straight };
-  assert.throws(() => depthOf(texture, view), /cannot read a texture\. Ask the session.*cpu-optimized, or read it back/);
+  assert.throws(
+    () => depthOf(texture, view),
+    /cannot read a texture\. Ask the session.*cpu-optimized, or read it back/,
+  );
   assert.throws(() => depthOf({ ...depth, data: new ArrayBuffer(9) }, view), /with 2 or 4 bytes a pixel/);
   const mirrored = matrix(-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 1, 0, 0, 1);
   const turned = { ...depth, normDepthBufferFromNormView: mirrored };

@@ -218,6 +218,7 @@ def restored(page):
 def raised(page, kind):
     found = page.ask(f"raised({json.dumps(kind)})")
     check(found["off"] <= 2 and found["control"] > 40, f"three, {kind}: what stands on the floor, off by: {found}")
+    check(found["place"] <= 1 and found["placeControl"] > 40, f"three, {kind}: a place, off by: {found}")
 
 
 def readme(page, folder):

@@ -52,7 +52,15 @@ stage.see({ data: [1, 2, 3, 4], width: 1, height: 1 }, { centre: [0, 0.1] });
 far.setShadow(await far.addModel({ positions: [], indices: [], position: [], rotation: [] }), false);
 const place: number = stage.addPlace({ positions: [], indices: [], position: [0, 0, 0], rotation: [0, 0, 0, 1] });
 stage.setHands(null, [{ position: { x: 0, y: 1, z: 0 }, radius: 0.01 }]);
-stage.seeDepth({ data: new Uint16Array(4), width: 2, height: 2, focal: [1, 1], centre: [0, 0], position: [0, 0, 0], orientation: [0, 0, 0, 1] });
+stage.seeDepth({
+  data: new Uint16Array(4),
+  width: 2,
+  height: 2,
+  focal: [1, 1],
+  centre: [0, 0],
+  position: [0, 0, 0],
+  orientation: [0, 0, 0, 1],
+});
 const heights = sand.make("sandglass_heights");
 if (stage.relief) sand.sandglass_relief_get_heights(stage.relief, heights);
 const side: number | undefined = stage.frame(1 / 60).textures.pile?.side;

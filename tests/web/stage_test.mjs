@@ -79,7 +79,10 @@ async function watched(options) {
     sand.sandglass_scene_particles(seen.scene, blocks[0], blocks[1]);
     const [at, ways] = blocks.map((block) => sand.floats(block, 3 * seen.count).slice());
     for (const block of blocks) sand.free(block);
-    return Array.from({ length: seen.count }, (_, i) => ({ y: at[3 * i + 1], speed: Math.hypot(...ways.slice(3 * i, 3 * i + 3)) }));
+    return Array.from({ length: seen.count }, (_, i) => ({
+      y: at[3 * i + 1],
+      speed: Math.hypot(...ways.slice(3 * i, 3 * i + 3)),
+    }));
   };
   return { stage, seen, particles };
 }

@@ -188,7 +188,11 @@ export class Stage {
   // and remove() take.
   addModel({ position, rotation, ...mesh }, options = {}) {
     checked("addModel", options, k_model_options);
-    return this.#add(checkedMesh(mesh), poseOf("addModel", position, rotation), { shadow: true, collide: true, ...options });
+    return this.#add(checkedMesh(mesh), poseOf("addModel", position, rotation), {
+      shadow: true,
+      collide: true,
+      ...options,
+    });
   }
   // A mesh of the real place: sand lies on it, and it throws no shadow, which the place shows itself. What is closed is as solid
   // as a model. Of what is open, as a scan of a room, the highest surface counts up to 0.5 m above the floor, within `half`.

@@ -37,9 +37,7 @@ export class StageHands {
   }
   get bodies() {
     return this.#hands.flatMap((hand) =>
-      hand
-        ? k_bones.map(([a, b], i) => ({ ...capsule(hand.joints[a], hand.joints[b]), id: hand.first + i }))
-        : [],
+      hand ? k_bones.map(([a, b], i) => ({ ...capsule(hand.joints[a], hand.joints[b]), id: hand.first + i })) : [],
     );
   }
 }

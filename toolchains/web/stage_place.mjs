@@ -97,7 +97,9 @@ export class StagePlace {
   makeRoom(count, { positions, indices }, { position, rotation }, solid) {
     const [most, all] = [k_place_triangles, indices.length / 3];
     if (all > most)
-      throw new Error(`sandglass: a place has ${most} triangles at most, and this has ${all}. Simplify it, or add its parts.`);
+      throw new Error(
+        `sandglass: a place has ${most} triangles at most, and this has ${all}. Simplify it, or add its parts.`,
+      );
     if (count > k_place_meshes)
       throw new Error(`sandglass: a stage holds ${k_place_meshes} open meshes of places. Remove one, or join them.`);
     if (!solid) this.#needRelief();

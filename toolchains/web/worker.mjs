@@ -117,7 +117,18 @@ const k_sent = {
   move: (model, position, rotation) => [model, ...Object.values(poseOf("move", position, rotation))],
   see: (image, view = {}) => [image, checked("see", view, k_view_options)],
 };
-const k_calls = ["createSand", "addModel", "addPlace", "move", "remove", "setShadow", "pour", "push", "setHands", "see"];
+const k_calls = [
+  "createSand",
+  "addModel",
+  "addPlace",
+  "move",
+  "remove",
+  "setShadow",
+  "pour",
+  "push",
+  "setHands",
+  "see",
+];
 for (const name of [...k_calls, "seeDepth", "frame"])
   WorkerStage.prototype[name] = async function (...values) {
     return this.call("stage", name, k_sent[name]?.(...values) ?? values);

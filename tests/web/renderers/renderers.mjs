@@ -446,7 +446,7 @@ function floorOf(THREE, kind, material) {
 }
 
 // A surface above the floor is lit as by one layer which holds what the rule of the slide makes of three there; control: as by the
-// floor's. In steps of a byte.
+// floor's. In steps of a byte; and so for a place, of which only its shadows are seen.
 export async function raised(kind) {
   const [number, height, above, texels] = [3, 0.4, 0.25, 16];
   const slide = [0.7, -0.3];
@@ -461,7 +461,7 @@ export async function raised(kind) {
   const blended = (layers) =>
     layers[0].map((_, i) => Math.round(layers[lower][i] + (layer - lower) * (layers[lower + 1][i] - layers[lower][i])));
   const [shadow, occlusion] = [layersOf(0), layersOf(1)];
-  const seen = async (of, change) => {
+  const seen = async (of, change, how = "lit") => {
     const textures = {};
     Object.entries({ shadow, occlusion }).forEach(
       ([name, layers]) => (textures[name] = { side: texels, bytes: of(layers) }),
@@ -479,8 +479,13 @@ export async function raised(kind) {
     const made = await threeScene(kind, { change: (recorded) => ({ ...recorded, ...drawn }) });
     const { THREE, scene, stage, look, renderer, group } = made;
     const material = new THREE.MeshStandardMaterial({ roughness: 1 });
-    stage.receive(material);
-    scene.add(new THREE.Mesh(new THREE.PlaneGeometry(1.2, 1.2).rotateX(-Math.PI / 2).translate(0, above, 0), material));
+    const plane = new THREE.PlaneGeometry(1.2, 1.2).rotateX(-Math.PI / 2);
+    const mesh = new THREE.Mesh(plane, material);
+    mesh.position.y = above;
+    scene.add(mesh);
+    if (how !== "lit") scene.background = new THREE.Color(1, 1, 1);
+    if (how === "place") await stage.addPlace(mesh);
+    else stage.receive(material, { shadowOnly: how === "shadow" });
     stage.update(1 / 60);
     group.visible = false;
     const bytes = await look();
@@ -491,10 +496,15 @@ export async function raised(kind) {
   const layered = await seen(joined, { slide: [...slide, half, half], layers: [number, (number - 1) / height] });
   const slid = [box[0] + slide[0] * above, box[1] + slide[1] * above, box[2], box[3]];
   const flat = { slide: [0, 0, half, half], layers: [1, 0] };
-  const farthest = (other) => layered.reduce((most, byte, i) => Math.max(most, Math.abs(byte - other[i])), 0);
+  const farthest = (one, other) => one.reduce((most, byte, i) => Math.max(most, Math.abs(byte - other[i])), 0);
+  const single = (of, how) => seen(of, { ...flat, shadowBox: slid }, how);
+  const place = await seen(joined, { slide: [...slide, half, half], layers: [number, (number - 1) / height] }, "place");
+  const ofFloor = (layers) => layers[0];
   return {
-    off: farthest(await seen(blended, { ...flat, shadowBox: slid })),
-    control: farthest(await seen((layers) => layers[0], { ...flat, shadowBox: slid })),
+    off: farthest(layered, await single(blended)),
+    control: farthest(layered, await single(ofFloor)),
+    place: farthest(place, await single(blended, "shadow")),
+    placeControl: farthest(place, await single(ofFloor, "shadow")),
   };
 }
 

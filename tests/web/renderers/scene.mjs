@@ -160,6 +160,7 @@ export const replay = (drawn) => ({
   frame: () => drawn,
   createSand: () => ({ radius: drawn.radius }),
   fields: Promise.resolve(),
+  addPlace: () => 1,
   pour() {},
   push() {},
   end() {},
