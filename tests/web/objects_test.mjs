@@ -79,6 +79,33 @@ async function takesWhatIsSheared() {
   }
 }
 
+// What stands for a place stands where it does, and is drawn before all else.
+async function babylonPlace(stage, scene, tilted) {
+  tilted.rotation.set(0.3, 0.2, 0.1);
+  tilted.position.set(0.3, 0.1, 0.2);
+  const bounds = ({ minimumWorld, maximumWorld }) => [...minimumWorld.asArray(), ...maximumWorld.asArray()];
+  tilted.computeWorldMatrix(true);
+  const was = bounds(tilted.getBoundingInfo().boundingBox);
+  const place = await stage.addPlace(tilted);
+  const veil = scene.meshes.slice(-2);
+  for (const mesh of veil) {
+    mesh.computeWorldMatrix(true);
+    mesh.refreshBoundingInfo();
+    const now = bounds(mesh.getBoundingInfo().boundingBox);
+    assert.ok(
+      now.every((x, i) => Math.abs(x - was[i]) < 1e-4),
+      `${now}, not ${was}`,
+    );
+  }
+  assert.deepEqual(
+    [tilted.isEnabled(), veil[0].material.disableColorWrite, veil[0].material.uniqueId < 0],
+    [false, true, true],
+  );
+  stage.update(0.1);
+  await place.dispose();
+  assert.deepEqual([tilted.isEnabled(), veil.some((mesh) => scene.meshes.includes(mesh))], [true, false]);
+}
+
 // The engine draws nothing here; textures are counted.
 async function babylonTakes(right) {
   const engine = new BABYLON.NullEngine();
@@ -134,30 +161,7 @@ async function babylonTakes(right) {
   stage.pour({ position: new BABYLON.Vector3(0, 0.3, 0), rotation: BABYLON.Quaternion.Identity() });
   stage.push({ position: new BABYLON.Vector3(0, 0.1, 0), radius: 0.02 });
   await stage.addModel(thin);
-  const tilted = box(0.2, root);
-  tilted.rotation.set(0.3, 0.2, 0.1);
-  tilted.position.set(0.3, 0.1, 0.2);
-  const bounds = ({ minimumWorld, maximumWorld }) => [...minimumWorld.asArray(), ...maximumWorld.asArray()];
-  tilted.computeWorldMatrix(true);
-  const was = bounds(tilted.getBoundingInfo().boundingBox);
-  const place = await stage.addPlace(tilted);
-  const veil = scene.meshes.slice(-2);
-  for (const mesh of veil) {
-    mesh.computeWorldMatrix(true);
-    mesh.refreshBoundingInfo();
-    const now = bounds(mesh.getBoundingInfo().boundingBox);
-    assert.ok(
-      now.every((x, i) => Math.abs(x - was[i]) < 1e-4),
-      `${now}, not ${was}`,
-    );
-  }
-  assert.deepEqual(
-    [tilted.isEnabled(), veil[0].material.disableColorWrite, veil[0].material.uniqueId < 0],
-    [false, true, true],
-  );
-  stage.update(0.1);
-  await place.dispose();
-  assert.deepEqual([tilted.isEnabled(), veil.some((mesh) => scene.meshes.includes(mesh))], [true, false]);
+  await babylonPlace(stage, scene, box(0.2, root));
   stage.dispose();
   assert.equal(textures, 0);
   engine.dispose();
@@ -408,6 +412,62 @@ async function takesWebXR() {
   await stage.seeHands();
 }
 
+// An emulated room: its meshes, or its planes, are places as long as they are told of. One that is lost stays.
+async function takesARoom() {
+  const scene = new THREE.Scene();
+  const stage = await threeStage(scene);
+  const empty = scene.children.length;
+  const box = new THREE.BoxGeometry(0.4, 0.2, 0.4);
+  const mesh = (at) => ({
+    meshSpace: at,
+    vertices: box.getAttribute("position").array,
+    indices: Uint32Array.from(box.index.array),
+    lastChangedTime: 1,
+  });
+  const pose = ([x, y, z]) => ({ transform: { position: { x, y, z, w: 1 }, orientation: { x: 0, y: 0, z: 0, w: 1 } } });
+  const corners = [
+    [-1, -1],
+    [-1, 1],
+    [1, 1],
+    [1, -1],
+  ].map(([x, z]) => ({ x: x / 5, y: 0, z: z / 5 }));
+  const plane = { planeSpace: [0, 0.3, 0], polygon: corners, lastChangedTime: 1 };
+  const [one, other] = [mesh([0, 0.1, 0]), mesh([1, 0.1, 0])];
+  const room = {
+    detectedMeshes: new Set([one, other]),
+    detectedPlanes: new Set([plane]),
+    getPose: (at) => at && pose(at),
+  };
+  const settled = async () => {
+    await stage.seeRoom(room, {});
+    for (let i = 0; i < 20; ++i) await new Promise((done) => setTimeout(done));
+    stage.update(1 / 60);
+    return scene.children.slice(empty).map(({ position }) => position.toArray());
+  };
+  assert.deepEqual(await settled(), [one.meshSpace, other.meshSpace]);
+  assert.equal(stage.stage.relief, 0, "a box is solid");
+  one.meshSpace = null;
+  other.meshSpace = [1, 0.2, 0];
+  assert.deepEqual(await settled(), [
+    [0, 0.1, 0],
+    [1, 0.2, 0],
+  ]);
+  room.detectedMeshes.delete(one);
+  assert.deepEqual(await settled(), [[1, 0.2, 0]]);
+  const [veil] = scene.children.slice(empty);
+  Object.assign(other, { lastChangedTime: 2, indices: other.indices.slice(6) });
+  assert.deepEqual(await settled(), [[1, 0.2, 0]]);
+  assert.notEqual(stage.stage.relief, 0, "an open box is solid");
+  assert.equal(veil.parent, null);
+  room.detectedMeshes.clear();
+  assert.deepEqual(await settled(), [plane.planeSpace]);
+  const { array } = scene.children[empty].children[0].geometry.index;
+  assert.deepEqual([...array], [0, 1, 2, 0, 2, 3]);
+  room.detectedPlanes.clear();
+  assert.deepEqual(await settled(), []);
+  stage.dispose();
+}
+
 // Workers that answer at once, never, or that the page's policy forbids.
 async function answersFromWorkers() {
   const workers = [];
@@ -479,6 +539,7 @@ await followsWhatIsSeen();
 await isAddedOnce();
 await takesPlaces();
 await takesWebXR();
+await takesARoom();
 await answersFromWorkers();
 assert.deepEqual(told, []);
 console.log("objects, cameras and vectors of two engines are taken, and all promises answered");

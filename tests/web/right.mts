@@ -72,6 +72,7 @@ await held.update();
 await held.dispose();
 engine.seeHands(null);
 await engine.seeDepth(undefined, {});
+await engine.seeRoom({}, {});
 engine.update(1 / 60);
 engine.receive({ roughness: 1 }, { shadowOnly: true }).roughness.toFixed(1);
 console.log(hash, name, distance, seen, number, place, side, receive, receivers[0], receiverValues(drawn));

@@ -117,6 +117,9 @@ for (const [name, mesh] of [
   run(stage, 30);
   assert.ok(lowest(particles) < 0.01, `${name}, removed`);
 }
+const { stage: told } = await watched({ height: 0.3 }); // what an app has said stays
+told.addPlace({ ...table(indices), ...k_still, position: [0, 0.4, 0] });
+assert.deepEqual(told.frame(0).layers, [4, 10]);
 console.log("sand lies on places, and falls without them");
 
 // A hand that lies in sand: 25 joints, 1 cm apart along its fingers.

@@ -138,7 +138,9 @@ class BabylonStage extends Engine {
     const data = new BABYLON.VertexData();
     data.positions = positions.map((x, i) => (i % 3 === 2 ? z * x : x));
     data.indices = z < 0 ? indices.map((_, i) => indices[i - (i % 3) + [0, 2, 1][i % 3]]) : indices;
-    const { backFaceCulling = true } = this.meshesOf(object)[0]?.material ?? {};
+    const { backFaceCulling = true } = object.found
+      ? { backFaceCulling: false }
+      : (this.meshesOf(object)[0].material ?? {});
     const depth = new BABYLON.StandardMaterial("sandglass", scene);
     const shaded = new BABYLON.PBRMaterial("sandglass", scene);
     Object.assign(depth, { disableColorWrite: true, zOffset: 1, zOffsetUnits: 1, uniqueId: -scene.getUniqueId() });

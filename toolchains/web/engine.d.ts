@@ -31,8 +31,9 @@ export interface EngineStage {
   /** Also before addModel has answered, and of places. */
   removeModel(object: object): Promise<void>;
   /** A part of the real place, such as a scanned room, a table or a mesh of WebXR: sand lies on it, shadows fall on it, it hides what
-   * is behind it and is not drawn: the object is hidden meanwhile. Taken as by addModel, and its pose is followed; what is closed is
-   * solid, and of what is open the highest surface counts, up to 0.5 m above the floor. */
+   * is behind it and is not drawn: the object is hidden meanwhile. Taken as by addModel, and its pose is followed. What is closed is
+   * solid; of what is open the highest surface counts, up to 0.5 m above the floor. It is seen on the background, and on what is drawn
+   * before: three draws it with the renderOrder -1000. */
   addPlace(object: object): Promise<Place>;
   /** By the camera's projection matrix: any camera with perspective, also a tracker's or WebXR's. */
   see(image: object, camera: object, view?: View): Promise<void>;
@@ -46,6 +47,9 @@ export interface EngineStage {
   /** The hands of an XRFrame push sand, in an XRReferenceSpace that is the scene; without a frame there are none. What is lost
    * vanishes, and comes back without a blow. Call it in each frame. */
   seeHands(frame?: object | null, space?: object | null): Promise<void>;
+  /** The meshes that an XRFrame tells of (mesh-detection), or else its convex planes (plane-detection), are places, until a call without
+   * them. What cannot be one is said in the console. Call it in each frame. */
+  seeRoom(frame: object, space: object): Promise<void>;
   /** What XRFrame.getDepthInformation gives of an XRView (usage cpu-optimized; null is left out): sand lies on what it shows. */
   seeDepth(depth: object | null | undefined, view: object): Promise<void>;
   update(seconds?: number): void;

@@ -5,7 +5,7 @@ import { pixelsOf } from "./place_light.mjs";
 import { WorkerStage, blockMade } from "./worker.mjs";
 import { k_block_text } from "./block_module.mjs";
 import { receivers } from "./glsl.mjs";
-import { depthOf, handJoints } from "./webxr.mjs";
+import { depthOf, handJoints, roomOf } from "./webxr.mjs";
 
 const k_shape_frames = 20; // from one look at a model's parts to the next
 const k_shape_tolerance = 1e-3; // metres, or of a size
@@ -51,7 +51,15 @@ export class Engine {
     return (worker ? WorkerStage : Stage).create(options);
   }
   constructor(stage) {
-    Object.assign(this, { stage, objects: new Map(), owed: 0, last: performance.now(), sand: null, busy: false });
+    Object.assign(this, {
+      stage,
+      objects: new Map(),
+      room: new Map(),
+      owed: 0,
+      last: performance.now(),
+      sand: null,
+      busy: false,
+    });
     this.frames = 0;
   }
   refuseEnded() {
@@ -76,7 +84,7 @@ export class Engine {
   }
   modelOf(call, object, ends) {
     this.refuseEnded();
-    if (typeof object?.[this.placing] !== "function")
+    if (!object?.found && typeof object?.[this.placing] !== "function")
       throw new Error(`sandglass: ${call} takes an object of the scene. Of a loaded glTF pass gltf.scene.`);
     if (this.objects.has(object))
       throw new Error(`sandglass: ${call} has this object already. Call ${ends} first, or pass a clone.`);
@@ -84,12 +92,15 @@ export class Engine {
   }
   // An object's mesh and pose as they are now.
   takenOf(call, object) {
-    const pose = this.poseOf(object);
+    const pose = this.poseNow(object);
     if (!isPose(pose))
       throw new Error(
         `sandglass: ${call}: ${nameOf(object)} has no finite pose. Set its position, rotation and scale first.`,
       );
-    return { model: { pose }, mesh: this.meshOf(object, pose) };
+    return { model: { pose }, mesh: object.found?.mesh ?? this.meshOf(object, pose) };
+  }
+  poseNow(object) {
+    return object.found?.pose ?? this.poseOf(object);
   }
   async add(object, model, ask) {
     this.objects.set(object, model);
@@ -119,7 +130,7 @@ export class Engine {
     model.place = place;
     await this.add(object, model, () => this.stage.addPlace({ ...mesh, ...model.pose }));
     if (this.ended || model.gone) return place;
-    model.unhide = this.hide(object);
+    if (!object.found) model.unhide = this.hide(object);
     model.veil = this.veilOf(object, mesh, model.pose);
     return place;
   }
@@ -190,6 +201,32 @@ export class Engine {
     if (depth) await this.stage.seeDepth(depthOf(depth, view));
   }
 
+  // The meshes that an XRFrame tells of, or else its planes, are places from now on, as they are in that space.
+  async seeRoom(frame, space) {
+    this.refuseEnded();
+    const room = roomOf(frame, space);
+    for (const [key, found] of room) {
+      const known = this.room.get(key);
+      if (!known && !found.pose) continue;
+      found.pose ??= known.found.pose; // it is lost, and stays where it was
+      if (!known) {
+        const one = { found };
+        this.room.set(key, one);
+        one.added = this.addPlace(one);
+        this.say(() => one.added);
+        continue;
+      }
+      const { changed } = known.found;
+      known.found = found;
+      if (changed !== found.changed) this.say(async () => (await known.added).update());
+    }
+    for (const [key, one] of this.room)
+      if (!room.has(key)) {
+        this.room.delete(key);
+        if (this.objects.has(one)) this.say(() => this.removeModel(one));
+      }
+  }
+
   // Once a frame, before it is rendered. `seconds` go by; without it, as many as since the last call. A stage in a worker
   // shows each frame when it is done.
   update(seconds = (performance.now() - this.last) / 1000) {
@@ -215,7 +252,7 @@ export class Engine {
   }
   // A model in this frame. Without a pose, as where a tracker has lost it, it stays where it was.
   follow(object, model) {
-    const pose = this.poseOf(object);
+    const pose = this.poseNow(object);
     const shown = !model.place && this.isShown(object);
     model.seen ||= shown;
     const shadow = shown || !model.seen;

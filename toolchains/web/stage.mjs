@@ -32,6 +32,7 @@ const k_finest = 0.0001; // metres, of a particle
 const k_coarsest = 10;
 const k_widest = 99; // particles, of a nozzle's radius
 const k_fastest = 100; // metres a second, of a nozzle
+const k_high = 1; // metres above the floor, up to which places show shadows
 const k_fade = 5; // seconds after an image in which light and shadows are told anew
 const k_friction = { static_friction: 0.6, kinetic_friction: 0.55 };
 const k_still = { rotation: [0, 0, 0, 1], size: [1, 1, 1], linear_velocity: [0, 0, 0], field: 0, relief: 0, id: 0 };
@@ -201,9 +202,11 @@ export class Stage {
     const pose = poseOf("addPlace", position, rotation);
     const solid = isSolid(known);
     const top = this.#place.makeRoom(this.#open.length + !solid, known, pose, solid);
-    const number = this.#add(known, pose, { shadow: false, collide: solid, open: !solid });
-    if (top > 0 && this.#shadows.raise(top)) this.#fading = k_fade;
-    return number;
+    if (this.#shadows.raise(Math.min(top, k_high))) {
+      this.#fading = k_fade;
+      this.#moved = true;
+    }
+    return this.#add(known, pose, { shadow: false, collide: solid, open: !solid });
   }
   #add({ positions, indices, ...known }, pose, { shadow, collide, open = false }) {
     if (!open && this.#models.size - this.#open.length === k_models)

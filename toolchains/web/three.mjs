@@ -9,7 +9,7 @@ import { checked } from "./options.mjs";
 import { frustumOf } from "./place_light.mjs";
 
 // The lowest that have what is used: chunks and ranges of buffers; one node material for both of its back ends.
-const k_first = -1e9; // in the order of drawing, of what hides and is not seen
+const k_first = -1000; // in the order of drawing, of what hides and is not seen
 const k_revisions = { webgl: 160, nodes: 184 };
 
 // `renderer` and `scene` are needed; `worker`: the stage runs in a Worker; else options of Stage.create.
@@ -180,7 +180,8 @@ class ThreeStage extends Engine {
     const geometry = new THREE.BufferGeometry();
     geometry.setAttribute("position", new THREE.BufferAttribute(positions, 3));
     geometry.setIndex(new THREE.BufferAttribute(indices, 1));
-    const { side = THREE.FrontSide } = [this.meshesOf(object)[0]?.material].flat()[0] ?? {};
+    const [first] = object.found ? [] : this.meshesOf(object);
+    const { side = first ? THREE.FrontSide : THREE.DoubleSide } = [first?.material].flat()[0] ?? {};
     const shaded = new THREE.MeshStandardMaterial({ side, flatShading: true, fog: false, depthWrite: false });
     const materials = [
       new THREE.MeshBasicMaterial({

@@ -1,4 +1,4 @@
-// What WebXR tells of hands and depth, as a stage takes it.
+// What WebXR tells of hands, of the room and of depth, as a stage takes it.
 
 const k_pixels = { 2: Uint16Array, 4: Float32Array }; // by their bytes
 const k_straight = 1e-3; // how far a depth image's axes may be from square
@@ -11,6 +11,24 @@ export const handJoints = (frame, space) =>
     if (joints.length === 0 || !joints.every((pose) => pose?.radius > 0)) return null;
     return joints.map(({ transform: { position }, radius }) => ({ position, radius }));
   });
+
+// Of the room: by each XRMesh or XRPlane its pose and triangles, and when they changed.
+export function roomOf(frame, space) {
+  const meshes = [...(frame.detectedMeshes ?? [])];
+  const all = meshes.length > 0 ? meshes : [...(frame.detectedPlanes ?? [])];
+  const found = new Map();
+  for (const one of all) {
+    const { position: p, orientation: q } = frame.getPose(one.meshSpace ?? one.planeSpace, space)?.transform ?? {};
+    const pose = p && { position: [p.x, p.y, p.z], rotation: [q.x, q.y, q.z, q.w] };
+    const mesh = one.polygon ? fan(one.polygon) : { positions: one.vertices, indices: one.indices };
+    found.set(one, { pose, mesh, changed: one.lastChangedTime });
+  }
+  return found;
+}
+const fan = (corners) => ({
+  positions: Float32Array.from(corners.flatMap(({ x, y, z }) => [x, y, z])),
+  indices: Uint32Array.from(corners.slice(2).flatMap((_, i) => [0, i + 1, i + 2])),
+});
 
 // A depth image as its own camera took it: how its columns and rows lie in the view is in normDepthBufferFromNormView, and it may have
 // a pose and a projection of its own. Depth is along the camera's axis.
