@@ -117,6 +117,16 @@ PLACE = """(async () => {
   far.pour({ position: [0, 0.4, 0] }), await frames(120), found.on = low;
   far.pour(), await place.dispose(), await frames(120), found.under = low;
   found.again = await behind(), group.visible = false, found.without = await behind();
+  // An emulated device above the floor: its depth has a block of 0.4 x 0.4 x 0.1 m, noisy by 1 mm; and a hand away from the sand.
+  const [width, height, focal] = [80, 60, 56], orientation = { x: -Math.SQRT1_2, y: 0, z: 0, w: Math.SQRT1_2 };
+  const view = { transform: { position: { x: 0, y: 0.6, z: 0, w: 1 }, orientation }, projectionMatrix: Float32Array.from({ length: 16 }, (_, i) => ({ 0: 2 * focal / width, 5: 2 * focal / height })[i] ?? 0) };
+  const joints = new Map(Array.from({ length: 25 }, (_, i) => [i, i])), frame = { session: { inputSources: [{ handedness: "left", hand: joints }] }, getJointPose: () => ({ radius: 0.01, transform: { position: { x: 1, y: 1, z: 1, w: 1 } } }) };
+  for (let round = 0; round < 30; ++round) {
+    const data = Float32Array.from({ length: width * height }, (_, i) => (Math.max(Math.abs(i % width - 39.5), Math.abs(Math.floor(i / width) - 29.5)) * 0.5 / focal < 0.2 ? 0.5 : 0.6) + ((7 * i + round) % 3 - 1) / 1000).buffer;
+    await far.seeDepth({ width, height, data, rawValueToMeters: 1, normDepthBufferFromNormView: { matrix: new THREE.Matrix4().elements } }, view), await far.seeHands(frame, {}), await frames(1);
+  }
+  await far.createSand({ particles: 400 }), far.pour({ position: [0, 0.4, 0] }), await frames(120), found.seen = low;
+  far.dispose();
   return found;
 })()"""
 
@@ -395,6 +405,7 @@ def main(arguments):
             abs(found["on"] - 0.2) < 0.01 and found["under"] < 0.01,
             "sand lies {on:.3f} m high on it, and {under:.3f} without it".format(**found),
         )
+        check(abs(found["seen"] - 0.1) < 0.01, "and {seen:.3f} m high on what an emulated device sees".format(**found))
         shows(browser, work, "vite build", built + "?app=light")
         before, after = browser.ask(ROUNDS)
         check(before == after, f"ten stages leave what the renderer held: {before}, {after}")

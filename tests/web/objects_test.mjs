@@ -316,11 +316,15 @@ async function takesPlaces() {
   assert.notEqual(stage.stage.relief, 0, "an open mesh is no height");
   assert.deepEqual([veil.parent, scene.children.length], [null, before + 2]);
   same(box(scene.children.at(-1)), box(group));
+  await Promise.all([place.update(), place.update()]);
+  assert.equal(scene.children.length, before + 2);
   table.geometry = new THREE.BufferGeometry();
   await assert.rejects(place.update(), /no triangles/);
   assert.deepEqual([group.visible, scene.children.length], [false, before + 2]);
+  table.geometry = new THREE.PlaneGeometry(0.4, 0.4);
+  await Promise.all([place.update(), place.dispose()]);
   await place.dispose();
-  await place.dispose();
+  table.geometry = new THREE.BufferGeometry();
   await assert.rejects(place.update(), /has been withdrawn\. Call addPlace/);
   assert.deepEqual([group.visible, scene.children.length], [true, before + 1]);
   await assert.rejects(stage.addPlace(group), /no triangles/);

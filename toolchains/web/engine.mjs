@@ -141,10 +141,12 @@ export class Engine {
     const number = await this.stage.addPlace({ ...mesh, ...now.pose });
     await this.stage.fields.catch(() => {}); // what was there stays until sand lies on what is there now
     if (this.ended) return;
-    await this.stage.remove(model.gone ? number : model.number);
-    if (this.ended || model.gone) return;
-    model.veil.end();
-    Object.assign(model, { number, pose: now.pose, veil: this.veilOf(object, mesh, now.pose) });
+    const last = model.gone ? number : model.number;
+    if (!model.gone) {
+      model.veil.end();
+      Object.assign(model, { number, pose: now.pose, veil: this.veilOf(object, mesh, now.pose) });
+    }
+    await this.stage.remove(last);
   }
   async removePlace(object, model) {
     if (this.ended || model.gone) return;
