@@ -10,6 +10,8 @@ const { createStage } = await import(pathToFileURL(`${npm}/three.mjs`));
 const { createStage: createBabylonStage } = await import(pathToFileURL(`${npm}/babylon.mjs`));
 const { WorkerStage, fieldMade } = await import(pathToFileURL(`${npm}/worker.mjs`));
 const { depthOf, handJoints } = await import(pathToFileURL(`${npm}/webxr.mjs`));
+const { isSolid } = await import(pathToFileURL(`${npm}/stage_place.mjs`));
+const { checkedMesh } = await import(pathToFileURL(`${npm}/mesh_field.mjs`));
 const { text } = await import(pathToFileURL(`${npm}/worker_text.mjs`));
 
 const warned = [];
@@ -278,6 +280,28 @@ async function isAddedOnce() {
   stage.dispose();
 }
 
+// What is closed is solid, however it is turned, mirrored and stretched, its seams and poles too; a room's walls are not, seen from
+// within, nor is what has a hole.
+async function tellsWhatIsSolid() {
+  const stage = await threeStage();
+  for (const [geometry, is] of [
+    [new THREE.SphereGeometry(0.2, 64, 32), true],
+    [new THREE.CylinderGeometry(0.2, 0.1, 0.3, 48), true],
+    [new THREE.TorusKnotGeometry(0.2, 0.05, 200, 32), true],
+    [new THREE.IcosahedronGeometry(0.2, 5), true],
+    [new THREE.CylinderGeometry(0.2, 0.1, 0.3, 48, 1, true), false],
+    [new THREE.SphereGeometry(0.2, 64, 32, 0, 6), false],
+    [new THREE.PlaneGeometry(1, 1), false],
+    [new THREE.BoxGeometry(5, 3, 5).scale(-1, 1, 1), false],
+  ]) {
+    const mesh = new THREE.Mesh(geometry);
+    mesh.rotation.set(0.3, 0.7, 1.1);
+    mesh.scale.set(1, 2, -0.7);
+    const group = new THREE.Group().add(mesh);
+    assert.equal(isSolid(checkedMesh(stage.meshOf(group, stage.poseOf(group)))), is, geometry.type);
+  }
+}
+
 // A place is hidden, and something stands for it that hides and receives, where it stands; withdrawn, all is as before.
 async function takesPlaces() {
   const scene = new THREE.Scene();
@@ -541,6 +565,7 @@ for (const right of [true, false]) await babylonTakes(right);
 await takesCameras();
 await followsWhatIsSeen();
 await isAddedOnce();
+await tellsWhatIsSolid();
 await takesPlaces();
 await takesWebXR();
 await takesARoom();
