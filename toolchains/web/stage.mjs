@@ -389,6 +389,7 @@ export class Stage {
       this.shade(this.#shown_light.toLight, [...cells], diameter);
     }
     if (this.#moved) this.#castModels();
+    this.#shadows.setGround(this.#place.heights);
     const bodies = this.#bodies();
     const sandy = this.#radius > 0;
     bodies.forEach((body, i) => this.#colliders[i].set({ ...k_still, ...body }));

@@ -53,6 +53,7 @@ export class StagePlace {
   #area; // { origin, half } of the floor
   #relief = 0;
   #meshes;
+  #heights = 0;
   #image;
   #pixels = { block: 0, bytes: 0 };
   #images = 0;
@@ -88,6 +89,7 @@ export class StagePlace {
       sand.free(pose);
     }
     this.#meshes = sand.array("sandglass_cast_mesh", k_place_meshes);
+    this.#heights = sand.make("sandglass_heights");
     this.#image = sand.make("sandglass_depth_image");
     sand.sandglass_depth_image_default(this.#image);
     this.#relief = relief;
@@ -179,6 +181,11 @@ export class StagePlace {
     const depth = this.#new ? this.#image.address : 0;
     this.#new = false;
     return { relief: this.#relief, depth };
+  }
+  // As shadows of sand fall on them; 0: there are none.
+  get heights() {
+    if (this.#relief) this.#sand.sandglass_relief_get_heights(this.#relief, this.#heights);
+    return this.#heights;
   }
   // As colliders of sand.
   get bodies() {

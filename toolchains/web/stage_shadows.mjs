@@ -177,6 +177,11 @@ export class StageShadows {
     this.#sand.sandglass_pile_shadow_refresh(this.#pile);
   }
 
+  // What stands on the floor, where shadows of sand fall on it; 0: nothing. For each frame.
+  setGround(heights) {
+    if (this.#pile) this.#sand.sandglass_pile_shadow_set_ground(this.#pile, heights);
+  }
+
   // Fields of sandglass_frame_input.
   get fields() {
     return { pile_shadow: this.#pile, casts: this.#list, cast_count: this.#walled ? k_planes : 1 };
