@@ -20,7 +20,7 @@ import sys
 SURFACE = ("uniforms.glsl", "light.glsl", "sand.glsl", "packed.glsl", "surface.glsl")
 LOOSE = ("uniforms.glsl", "light.glsl", "sand.glsl", "loose.glsl")
 CAMERA = {"view": "mat4", "projection": "mat4", "eye": "vec3", "table_of_room": "mat3"}
-PARTS = {"surface": SURFACE, "loose": LOOSE, "receive": ("receive.glsl",)}
+PARTS = {"surface": SURFACE, "loose": LOOSE, "receive": ("receive.glsl",), "depth": ("receive.glsl", "depth.glsl")}
 
 WGSL_TYPES = {"float": "f32", "int": "i32", "uint": "u32", "bool": "bool", "vec2": "vec2f", "vec3": "vec3f", "vec4": "vec4f"}
 WGSL_TYPES |= {"mat3": "mat3x3f", "mat4": "mat4x4f", "sampler2D": "texture_2d<f32>", "sampler3D": "texture_3d<f32>"}

@@ -8,6 +8,7 @@ Exit code 77: there is no Chromium here."""
 
 import base64
 import json
+import math
 import pathlib
 import re
 import shutil
@@ -41,7 +42,7 @@ HTMLCanvasElement.prototype.getContext = function (kind, ...more) {{
   if (kind === wanted) throw new Error(`this page gives no context of ${{kind}}`);
   return own.call(this, kind, ...more);
 }};
-globalThis.renderers = {{ ...(await import("/renderers/renderers.mjs")), ...(await import("/renderers/views.mjs")), ...(await import("/renderers/rounds.mjs")) }};
+globalThis.renderers = {{ ...(await import("/renderers/renderers.mjs")), ...(await import("/renderers/views.mjs")), ...(await import("/renderers/rounds.mjs")), ...(await import("/renderers/by_depth.mjs")) }};
 globalThis.ready = true;
 </script>"""
 
@@ -221,6 +222,38 @@ def raised(page, kind):
     check(found["place"] <= 1 and found["placeControl"] > 40, f"three, {kind}: a place, off by: {found}")
 
 
+BOOKS = (0, 0.05, 0.15)  # metres
+
+
+def by_depth(page, kind):
+    """In 1/255 of the formula, but for pixels on a rim; without a depth, or by one that is off, it is another picture."""
+    found = page.ask(f"byDepth({json.dumps(kind)}, {json.dumps(BOOKS)})")
+    most = {"image": 0, "a turned image": 0, "heights": 0.001, "a depth buffer": 0.001, "another camera": 0.1}
+    for way, (step, eight) in found.items():
+        right = step <= most[way] if way in most else step > 0.3
+        check(
+            right,
+            f"three, {kind}, by depth, {way}: {step:.2%} of pixels off by 1 of 255, {eight:.2%} by 8{'' if way in most else ', as it must'}",
+        )
+    # It sees past some rims.
+    right, wrong = (found[way][1] for way in ("another camera", "another camera taken for the view's"))
+    check(
+        right < 0.025 < 0.1 < wrong, f"three, {kind}: by another camera's depth {right:.2%} are off by 8, taken for the view's {wrong:.2%}"
+    )
+    found = page.ask(f"besideDepth({json.dumps(kind)})")
+    right = max(found["darkened"]) < 0.001 * found["without"] and found["without"] > 1000
+    check(
+        right,
+        f"three, {kind}: of a thing before it {found['darkened']} pixels are darkened, of what is there without it {found['without']}",
+    )
+    check(found["alpha"] <= 1, f"three, {kind}: behind the canvas off by {found['alpha']:.2f} of 255")
+    found = page.ask(f"slides({json.dumps(kind)}, {json.dumps(BOOKS)}, 40)")
+    slid = [1000 * book * math.tan(math.radians(40)) for book in BOOKS]
+    right = all(abs(a - b) < 1 for a, b in zip(found["found"], slid)) and found["made"] == [1, 0]
+    check(right, f"three, {kind}: a shadow slides {found['found']} mm, h tan {slid}; casts before and after: {found['made']}")
+    check(max(map(abs, found["floor"])) < 1, f"three, {kind}: the floor's slides {found['floor']} mm, as it must")
+
+
 def readme(page, folder):
     """Its example runs as it is printed, with another renderer's name: shadow and sand are seen."""
     text = "".join(re.findall(r"```js\n(.*?)```", (HERE.parents[2] / "toolchains/web/README.md").read_text(), re.DOTALL)[:2])
@@ -300,6 +333,7 @@ def main(arguments):
         for kind in ("webgl", "nodes on webgl"):
             floors(page, kind)
             raised(page, kind)
+            by_depth(page, kind)
             views(page, kind)
             glass(page, kind)
     # What draws by WebGPU must do without WebGL.
@@ -307,6 +341,7 @@ def main(arguments):
     with Page(address) as page:
         same_picture(page, folder, "three", "nodes")
         raised(page, "nodes")
+        by_depth(page, "nodes")
         same_picture(page, folder, "babylon", "nodes")
         babylon_depth(page, "nodes")
         floors(page, "nodes")

@@ -3,7 +3,7 @@ import { load, constants, type Handle, type Numbers, type sandglass_collider } f
 import { load as loadInline, wasm } from "sandglass/inline";
 import { Stage, WorkerStage } from "sandglass/stage";
 import { createStage } from "sandglass/three";
-import { receive, receivers, receiverValues } from "sandglass/glsl";
+import { byDepth, depthNumbers, receive, receivers, receiverValues } from "sandglass/glsl";
 
 const sand = await load(await WebAssembly.compile(wasm()), { threads: 1 });
 const other = await loadInline();
@@ -75,4 +75,18 @@ await engine.seeDepth(undefined, {});
 await engine.seeRoom({}, {});
 engine.update(1 / 60);
 engine.receive({ roughness: 1 }, { shadowOnly: true }).roughness.toFixed(1);
-console.log(hash, name, distance, seen, number, place, side, receive, receivers[0], receiverValues(drawn));
+engine.receiveByDepth({ depth: {}, metres: 0.001 }).set({ heights: null });
+console.log(
+  hash,
+  name,
+  distance,
+  seen,
+  number,
+  place,
+  side,
+  receive,
+  receivers[0],
+  receiverValues(drawn),
+  byDepth,
+  depthNumbers(drawn),
+);

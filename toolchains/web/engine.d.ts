@@ -18,6 +18,37 @@ export interface Place {
   /** Withdraws it. The object is shown as before. */
   dispose(): Promise<void>;
 }
+
+/** What a depth texture shows, as receiveByDepth takes it. */
+export interface ByDepth {
+  /** A texture of three.js: a depth texture that a camera has drawn (a render target's; not logarithmic), or an image of depth along
+   * the camera's axis, the upper row first, 0 where it is not known. */
+  depth?: object | null;
+  /** Of an image: what its numbers are times to give metres; times depth_scale of sandglass_heights, where there is a relief. */
+  metres?: number;
+  /** Of an image: normDepthBufferFromNormView of WebXR, from the view to the image (column-major). */
+  fromView?: ArrayLike<number>;
+  /** The camera of the depth, where it is not the one that draws. */
+  camera?: object;
+  /** Fields of sandglass_heights (relief.h): where depth is not known. null: there it is the floor. */
+  heights?: Heights | null;
+}
+export interface Heights {
+  cells: ArrayLike<number>;
+  heights: ArrayLike<number>;
+  corner: ArrayLike<number>;
+  along: ArrayLike<number>;
+  across: ArrayLike<number>;
+  up: ArrayLike<number>;
+}
+export interface DepthReceiver {
+  /** A triangle over the whole picture, in the scene. */
+  readonly mesh: any;
+  /** What is not given stays as it was. */
+  set(what: ByDepth): void;
+  dispose(): void;
+}
+
 /** What is refused changes nothing. After dispose() all but update() and removeModel(), which do nothing then, are refused. */
 export interface EngineStage {
   readonly stage: Stage | WorkerStage;
@@ -39,6 +70,12 @@ export interface EngineStage {
   see(image: object, camera: object, view?: View): Promise<void>;
   receive<Material extends object>(material: Material, options?: { shadowOnly?: boolean }): Material;
   stopReceiving(material: object): void;
+  /** three.js only. Shadows fall on what is drawn already, the camera's picture or splats, where its depth says that it stands: they slide
+   * over books and slopes. `height` of createStage is as high as those are; what is twice as high, a hand, gets none. Nothing
+   * virtual gets any, as the mesh lies behind all that wrote depth. It is drawn after scene.background and before what has a renderOrder from 0
+   * on; for splats set its material's `transparent`, and a renderOrder above theirs. With WebGPURenderer a picture behind the
+   * canvas needs a clear alpha below 1, and no scene.background. Surfaces are taken to face up. */
+  receiveByDepth(what?: ByDepth): DepthReceiver;
   createSand(options?: SandOptions): Promise<any>;
   /** There is no sand any more, and nothing pours. */
   removeSand(): Promise<void>;

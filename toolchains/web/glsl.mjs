@@ -4,6 +4,7 @@ import { k_kit } from "./kit.mjs";
 
 export { k_kit as kit } from "./kit.mjs";
 export const receive = k_kit.receive;
+export const byDepth = `${k_kit.receive}${k_kit.depth}`; // float sandglass_left_by_depth(vec2 at, vec3 eye, vec3 ray)
 export const receivers = ["pile", "shadow", "occlusion", "sky"]; // textures of frame(), of the same names behind sandglass_
 
 // Values of the vectors in `receive`.
@@ -15,6 +16,17 @@ export const receiverValues = (drawn) => ({
   sandglass_slide: drawn.slide,
   sandglass_layers: [...drawn.layers, 0, 0],
 });
+
+const k_near_floor = 0.05; // metres: what depth shows so near the floor lies on it
+
+// Of sandglass_depth_numbers, in `byDepth`.
+export function depthNumbers({ light: { toLight, facing, ambient }, layers: [number, rows] }) {
+  const sum = (of) => [0, 1, 2].reduce((all, colour) => all + Math.max(0, of(colour)), 0);
+  const sun = sum((c) => (facing[c] / Math.PI) * toLight[1]);
+  const room = sum((c) => ambient[c] + ambient[3 + c] - ambient[18 + c] - ambient[24 + c]);
+  const height = rows > 0 ? (number - 1) / rows : 0;
+  return [sun / Math.max(sun + room, 1e-6), Math.max(height, k_near_floor), 0, 0];
+}
 
 // Values of the kit's uniforms for light and shadows (uniforms.glsl).
 export const kitValues = (drawn) => ({

@@ -1,5 +1,6 @@
 // sandglass/three: a stage in a scene of three.js, which the app hands over; nothing is imported of it.
 import { Engine, oneMesh } from "./engine.mjs";
+import { DepthReceiver } from "./three_depth.mjs";
 import { NodeReceiver } from "./three_node_receive.mjs";
 import { GlslReceiver } from "./three_receive.mjs";
 import { GlslLook } from "./three_glsl.mjs";
@@ -37,11 +38,12 @@ class ThreeStage extends Engine {
       renderer,
       probe: new THREE.LightProbe(),
       sun: new THREE.DirectionalLight(),
+      byDepth: new Set(),
       placing: "updateWorldMatrix",
     });
     scene.add(this.probe, this.sun, this.sun.target);
     this.receiver = renderer.isWebGPURenderer
-      ? new NodeReceiver(THREE, this.sun, () => scene.background === null)
+      ? new NodeReceiver(THREE, renderer, this.sun, () => scene.background === null && renderer.getClearAlpha() < 1)
       : new GlslReceiver(THREE);
     this.renew = () => this.sand?.renew();
     renderer.domElement?.addEventListener?.("webglcontextrestored", this.renew);
@@ -209,6 +211,14 @@ class ThreeStage extends Engine {
     return veil;
   }
 
+  // Shadows fall on what is drawn already, by its depth.
+  receiveByDepth(options) {
+    this.refuseEnded();
+    const made = new DepthReceiver(this, options);
+    this.byDepth.add(made);
+    return made;
+  }
+
   // Sand, as a Group in the scene. Options as for Stage.createSand.
   async createSand(options) {
     await this.newSand(options);
@@ -225,6 +235,7 @@ class ThreeStage extends Engine {
   leave() {
     this.renderer.domElement?.removeEventListener?.("webglcontextrestored", this.renew);
     for (const one of [this.probe, this.sun, this.sun.target]) one.removeFromParent();
+    for (const one of this.byDepth) one.dispose();
     this.receiver.end(); // materials get no shadows any more
   }
   show(drawn, changed) {

@@ -1,7 +1,7 @@
 // What shadows leave of a material's light under WebGPURenderer, by nodes: of the light from all around by the material's aoNode, of
 // the main light where it shines on a material that receives.
-import { kitValues, receiverValues } from "./glsl.mjs";
-import { receiveNodes, surfaceNodes } from "./kit_nodes.mjs";
+import { depthNumbers, kitValues, receiverValues } from "./glsl.mjs";
+import { depthNodes, receiveNodes, surfaceNodes } from "./kit_nodes.mjs";
 import { Given } from "./three_nodes.mjs";
 import { ShadowTextures, nothingDrawn } from "./shadow_textures.mjs";
 import { textureMaker } from "./three_sand.mjs";
@@ -14,9 +14,9 @@ let made = 0;
 
 export class NodeReceiver {
   // `sun`: the main light; `onScreen`: whether the picture is blended with what lies behind the canvas.
-  constructor(THREE, sun, onScreen) {
+  constructor(THREE, renderer, sun, onScreen) {
     const { TSL: T } = THREE;
-    Object.assign(this, { THREE, onScreen, materials: new Map(), number: ++made });
+    Object.assign(this, { THREE, renderer, onScreen, materials: new Map(), number: ++made });
     this.given = new Given(THREE);
     this.textures = new ShadowTextures(textureMaker(THREE), (name, texture) =>
       this.given.set({ [`sandglass_${name}`]: texture }),
@@ -61,7 +61,40 @@ export class NodeReceiver {
     owners.delete(material);
     material.needsUpdate = true;
   }
-  // Of a white surface: black, as far as its light is missing. What is blended on the screen has the screen's numbers.
+  // A material that is drawn over the whole picture, by what a depth texture tells.
+  byDepth(values, options) {
+    const { THREE, renderer } = this;
+    const { TSL: T } = THREE;
+    const own = new Given(THREE);
+    const material = Object.assign(new THREE.MeshBasicNodeMaterial(options), { sandglass: own });
+    const corner = [1, 2].map((vertex) => T.select(T.vertexIndex.equal(vertex), 3, -1).toFloat());
+    const at = T.varying(T.vec2(corner[0].mul(0.5).add(0.5), corner[1].mul(-0.5).add(0.5)));
+    const [right, up, back] = [0, 1, 2].map((k) => T.cameraProjectionMatrix.element(k));
+    const way = T.vec4(corner[0].add(back.x).div(right.x), corner[1].add(back.y).div(up.y), -1, 0);
+    const ray = T.varying(T.cameraWorldMatrix.mul(way).xyz);
+    material.vertexNode = T.vec4(...corner, renderer.reversedDepthBuffer ? 0 : 1, 1);
+    if (renderer.logarithmicDepthBuffer) material.depthNode = T.float(1);
+    this.showDepth(material, values);
+    material.outputNode = T.Fn(() => {
+      const { sandglass_left_by_depth } = depthNodes(T, { ...this.given.nodes, ...own.nodes });
+      return this.#black(sandglass_left_by_depth(at, T.cameraPosition, ray).toVar());
+    })();
+    return material;
+  }
+  showDepth(material, values) {
+    material.sandglass.set(
+      Object.fromEntries(
+        Object.entries(values).map(([name, value]) => [name, value.isTexture ? value : value.toArray()]),
+      ),
+    );
+  }
+  // As far as light is missing. What is blended on the screen has the screen's numbers.
+  #black(share) {
+    const { TSL: T } = this.THREE;
+    const encoded = T.sRGBTransferOETF(T.vec3(share)).x;
+    return T.vec4(0, 0, 0, T.sub(1, T.select(this.given.nodes.blended.greaterThan(0.5), encoded, share)));
+  }
+  // Of a white surface.
   #shadowOnly() {
     const { TSL: T } = this.THREE;
     const given = this.given.nodes;
@@ -73,13 +106,13 @@ export class NodeReceiver {
       const share = T.dot(sun.mul(this.left.x).add(room.mul(this.left.y)), T.vec3(1))
         .div(all.max(1e-6))
         .toVar();
-      const encoded = T.sRGBTransferOETF(T.vec3(share)).x;
-      return T.vec4(0, 0, 0, T.sub(1, T.select(given.blended.greaterThan(0.5), encoded, share)));
+      return this.#black(share);
     })();
   }
   // `changed`: names of textures.
   set(drawn, changed) {
-    this.given.set({ ...receiverValues(drawn), ...kitValues(drawn), blended: this.onScreen() ? 1 : 0 });
+    const values = { ...receiverValues(drawn), ...kitValues(drawn), sandglass_depth_numbers: depthNumbers(drawn) };
+    this.given.set({ ...values, blended: this.onScreen() ? 1 : 0 });
     for (const name of changed) this.textures.show(name, drawn.textures[name]);
   }
   end() {

@@ -1,6 +1,6 @@
 // What shadows leave of a material's light under WebGLRenderer: the shader of a classic material is patched, once for good; whose
 // shadows it shows can change, and end.
-import { receive, receivers, receiverValues } from "./glsl.mjs";
+import { byDepth, depthNumbers, receive, receivers, receiverValues } from "./glsl.mjs";
 import { ShadowTextures, nothingDrawn } from "./shadow_textures.mjs";
 import { textureMaker } from "./three_sand.mjs";
 
@@ -25,6 +25,29 @@ const k_shadow_only = `
   vec3 sandglass_some = reflectedLight.directDiffuse + reflectedLight.indirectDiffuse;
   float sandglass_share = dot(sandglass_some, vec3(1)) / max(dot(sandglass_all, vec3(1)), 1e-6);
   gl_FragColor = vec4(vec3(0), 1.0 - linearToOutputTexel(vec4(sandglass_share)).r);`;
+
+const k_over_vertex = `
+out vec2 sandglass_on;
+out vec3 sandglass_ray;
+void main() {
+  vec2 corner = vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0);
+  sandglass_on = 0.5 + vec2(0.5, -0.5) * corner;
+  vec2 way = (corner + projectionMatrix[2].xy) / vec2(projectionMatrix[0].x, projectionMatrix[1].y);
+  sandglass_ray = transpose(mat3(viewMatrix)) * vec3(way, -1);
+  gl_Position = vec4(corner, 1, 1);
+  #ifdef USE_REVERSED_DEPTH_BUFFER
+  gl_Position.z = 0.0;
+  #endif
+}`;
+const k_over_fragment = `
+precision highp sampler2D;
+in vec2 sandglass_on;
+in vec3 sandglass_ray;
+${byDepth}
+void main() {
+  float share = sandglass_left_by_depth(sandglass_on, cameraPosition, sandglass_ray);
+  gl_FragColor = vec4(vec3(0), 1.0 - linearToOutputTexel(vec4(share)).r);
+}`;
 
 const patched = new WeakMap(); // what each material's shader reads
 const nothing = new WeakMap(); // by three: a texture for what shows no shadow
@@ -82,6 +105,21 @@ export class GlslReceiver {
     this.#bind(material);
     material.needsUpdate = true;
   }
+  // A material that is drawn over the whole picture, by what a depth texture tells.
+  byDepth(values, options) {
+    const uniforms = {};
+    const shaders = { vertexShader: k_over_vertex, fragmentShader: k_over_fragment };
+    const material = Object.assign(new this.THREE.ShaderMaterial({ ...shaders, ...options }), { uniforms });
+    patched.set(material, { uniforms, owner: this, shadowOnly: true });
+    this.materials.add(material);
+    this.#bind(material);
+    this.showDepth(material, values);
+    return material;
+  }
+  showDepth(material, values) {
+    for (const [name, value] of Object.entries(values)) (material.uniforms[name] ??= {}).value = value;
+    material.uniformsNeedUpdate = true;
+  }
   // It shows no shadows any more.
   stop(material) {
     if (!this.materials.delete(material)) return;
@@ -94,7 +132,8 @@ export class GlslReceiver {
   }
   // `changed`: names of textures.
   set(drawn, changed) {
-    for (const [name, value] of Object.entries(receiverValues(drawn)))
+    const values = { ...receiverValues(drawn), sandglass_depth_numbers: depthNumbers(drawn) };
+    for (const [name, value] of Object.entries(values))
       (this.values[name] ??= new this.THREE.Vector4()).fromArray(value);
     for (const name of changed) this.textures.show(name, drawn.textures[name]);
   }

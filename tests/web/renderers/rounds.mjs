@@ -34,6 +34,15 @@ async function threeRound({ THREE, renderer, camera }, isShown) {
   const floor = new THREE.Mesh(new THREE.PlaneGeometry(2, 2), new THREE.MeshStandardMaterial());
   scene.add(floor);
   const stage = await createStage(THREE, { renderer, scene, worker: true });
+  const heights = {
+    cells: [2, 2],
+    heights: [0, 0, 0, 0],
+    corner: [0, 0, 0],
+    along: [1, 0, 0],
+    across: [0, 0, 1],
+    up: [0, 1, 0],
+  };
+  stage.receiveByDepth({ heights });
   await madeAndShown(stage, floor.material);
   renderer.render(scene, camera);
   isShown();
