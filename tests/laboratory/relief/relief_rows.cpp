@@ -1,6 +1,7 @@
 #include "tests/laboratory/relief/relief_rows.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -8,6 +9,7 @@
 #include "tests/laboratory/relief/depth_table.h"
 #include "tests/laboratory/relief/relief_take.h"
 #include "tests/laboratory/relief/sand_on_relief.h"
+#include "tests/laboratory/relief/seen_by_depth.h"
 
 namespace sandglass::host {
 
@@ -229,9 +231,38 @@ void add_mesh(const Table& table, Rows* rows) {
   rows->add("mesh", "control: 4 mm above, interior", "mm", 0, from_mesh(table, k_above).interior, k_interior, true);
 }
 
+// False: it was asked to end.
+bool add_seen(const DepthRecording& recording, const char* name, uint32_t seeds, const std::function<bool()>& go_on,
+              Rows* rows) {
+  std::array<std::vector<SeenWrongly>, k_known_by> all;
+  for (uint32_t seed = 0; seed < seeds; ++seed) {
+    if (!go_on()) return false;
+    const auto found = seen_by_depth(recording, seed + 1);
+    for (size_t k = 0; k < k_known_by; ++k) all[k].push_back(found[k]);
+  }
+  constexpr double k_shade = 6, k_seen = 30, k_hidden = 4;  // %
+  const auto of = [&](KnownBy by) -> const std::vector<SeenWrongly>& { return all[static_cast<size_t>(by)]; };
+  rows->add_all(name, "wrong shade", "%", of(KnownBy::scaled_or_heights), &SeenWrongly::shade, k_shade);
+  rows->add_all(name, "hidden points seen", "%", of(KnownBy::scaled_or_heights), &SeenWrongly::seen, k_seen);
+  rows->add_all(name, "seen points hidden", "%", of(KnownBy::scaled_or_heights), &SeenWrongly::hidden, k_hidden);
+  // A lidar has no factor to speak of; only raw depth has holes.
+  const bool raw = recording.kind == DepthKind::raw, lidar = recording.kind == DepthKind::lidar;
+  const auto control = [&](const char* row, KnownBy by, double SeenWrongly::*what, double limit, bool fails) {
+    rows->add(name, (fails ? "control: " : "") + std::string(row), "%", 0, of(by)[0].*what, fails ? limit : k_never,
+              fails);
+  };
+  control("by the floor, wrong shade", KnownBy::floor, &SeenWrongly::shade, k_shade, true);
+  control("without the factor, wrong shade", KnownBy::depth, &SeenWrongly::shade, k_shade, !lidar);
+  control("holes are the plane, wrong shade", KnownBy::scaled, &SeenWrongly::shade, k_shade, raw);
+  control("heights alone, wrong shade", KnownBy::heights, &SeenWrongly::shade, k_shade, false);
+  control("without the factor, hidden points seen", KnownBy::depth, &SeenWrongly::seen, k_seen, raw);
+  control("holes are the plane, hidden points seen", KnownBy::scaled, &SeenWrongly::seen, k_seen, raw);
+  return true;
+}
+
 }  // namespace
 
-uint64_t relief_recordings(uint32_t seeds) { return (3 + 2 * 3) * seeds + 2 + 3 + 1 + 2; }
+uint64_t relief_recordings(uint32_t seeds) { return (2 * 3 + 2 * 3) * seeds + 2 + 3 + 1 + 2; }
 
 std::vector<Verdict> relief_verdicts(uint32_t seeds, const std::function<bool()>& go_on) {
   Rows rows;
@@ -243,6 +274,7 @@ std::vector<Verdict> relief_verdicts(uint32_t seeds, const std::function<bool()>
   add_mesh(table, &rows);
   for (const auto& [kind, name] : k_kinds) {
     const DepthRecording recording = record_depth(kind, table, k_seconds);
+    if (!add_seen(recording, name, seeds, go_on, &rows)) return rows.rows;
     std::vector<Known> all;
     for (uint32_t seed = 0; seed < seeds; ++seed) {
       if (!go_on()) return rows.rows;
