@@ -2,7 +2,7 @@
 // it is multiplied. It stands where a depth texture says; where that is silent, on heights over a plane (relief.h), or on the plane.
 // What is real is taken to face up.
 //
-// A texel d is (x d + y) / (z d + w) metres along the camera's axis, by sandglass_metres, and silent from 0 down and from known.x up. to_depth
+// A texel d is (x d + y) / (z d + w) metres along the camera's axis, by sandglass_metres, and silent at 0 and from known.x up. to_depth
 // leads to its place in the texture from that in the picture, whose upper left corner is 0, 0; where the texture has a camera of its own
 // (known.y 1), from a place in the world, as (u m, v m, 1, m) of its metres m, and from_depth back. to_heights: from the world
 // to x and z in the texture of heights and, as y, metres above their plane; known.z: the highest of them. numbers: the share of the
@@ -36,7 +36,7 @@ float sandglass_left_by_depth(vec2 at, vec3 eye, vec3 ray) {
     vec4 to = sandglass_to_depth * (sandglass_known.y > 0.5 ? vec4(eye + ray * metres, 1.0) : vec4(at, 0.0, 1.0));
     vec2 on = to.xy / to.w;
     float texel = texture(sandglass_depth, on).r;
-    float deep = (sandglass_metres.x * texel + sandglass_metres.y) / (sandglass_metres.z * texel + sandglass_metres.w);
+    float deep = abs((sandglass_metres.x * texel + sandglass_metres.y) / (sandglass_metres.z * texel + sandglass_metres.w));
     bool is_on = all(greaterThan(on, vec2(0))) && all(lessThan(on, vec2(1))) && to.w > 0.0;
     known = is_on && deep > 0.0 && deep < sandglass_known.x ? 1.0 : 0.0;
     seen = sandglass_known.y > 0.5 ? (sandglass_from_depth * vec4(on * deep, 1.0, deep)).xyz : eye + ray * deep;

@@ -82,11 +82,7 @@ export class NodeReceiver {
     return material;
   }
   showDepth(material, values) {
-    material.sandglass.set(
-      Object.fromEntries(
-        Object.entries(values).map(([name, value]) => [name, value.isTexture ? value : value.toArray()]),
-      ),
-    );
+    material.sandglass.set(values);
   }
   // As far as light is missing. What is blended on the screen has the screen's numbers.
   #black(share) {

@@ -110,7 +110,9 @@ function imageOf(THREE, pixels, turned = false) {
   return numbersIn(THREE, metres, side);
 }
 const numbersIn = (THREE, numbers, columns) =>
-  Object.assign(new THREE.DataTexture(numbers, columns, columns, THREE.RedFormat, THREE.FloatType), { needsUpdate: true });
+  Object.assign(new THREE.DataTexture(numbers, columns, columns, THREE.RedFormat, THREE.FloatType), {
+    needsUpdate: true,
+  });
 function heightsOf(THREE, book) {
   const low = -0.5 * k_cells * k_cell;
   const heights = Float32Array.from({ length: k_cells ** 2 }, (_, i) => {
@@ -196,7 +198,9 @@ export async function byDepth(kind, books) {
     const meshes = things(THREE, book);
     for (const mesh of meshes) mesh.updateMatrixWorld();
     const pixels = seen(THREE, camera, meshes);
-    const held = heightsOf(THREE, book).heights.map((x) => THREE.DataUtils.fromHalfFloat(THREE.DataUtils.toHalfFloat(x)));
+    const held = heightsOf(THREE, book).heights.map((x) =>
+      THREE.DataUtils.fromHalfFloat(THREE.DataUtils.toHalfFloat(x)),
+    );
     const highest = heightsOf(THREE, book).heights.reduce((most, x) => Math.max(most, x));
     for (const [way, options] of Object.entries(k_ways)) {
       const given = { depth: null, camera: null, heights: null, fromView: k_upright };
@@ -240,7 +244,10 @@ export async function besideDepth(kind) {
   scene.background = null;
   stage.update(1 / 60);
   const bytes = await look();
-  const alpha = pixels.reduce((most, { place }, i) => Math.max(most, Math.abs(255 - bytes[4 * i + 3] - encoded(left(place)))), 0);
+  const alpha = pixels.reduce(
+    (most, { place }, i) => Math.max(most, Math.abs(255 - bytes[4 * i + 3] - encoded(left(place)))),
+    0,
+  );
   stage.dispose();
   done(renderer);
   return { darkened, without, alpha };
@@ -251,7 +258,10 @@ export async function besideDepth(kind) {
 export async function slides(kind, heights, degrees) {
   const { THREE, renderer, scene, look, camera } = await sceneOf(kind);
   const stage = await createStage(THREE, { renderer, scene, height: k_height, budget: 1000 });
-  const wall = new THREE.Mesh(new THREE.BoxGeometry(0.02, 0.3, 0.6).translate(0, 0.15, 0), new THREE.MeshBasicMaterial());
+  const wall = new THREE.Mesh(
+    new THREE.BoxGeometry(0.02, 0.3, 0.6).translate(0, 0.15, 0),
+    new THREE.MeshBasicMaterial(),
+  );
   await stage.addModel(wall, { collide: false });
   for (let i = 0; i < 60; ++i) stage.update(0.1);
   const angle = (degrees * Math.PI) / 180;
