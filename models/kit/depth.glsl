@@ -14,18 +14,18 @@ uniform vec4 sandglass_metres, sandglass_known, sandglass_depth_numbers;
 #endif
 // Metres along a ray until it meets the heights; 0 and less: it meets none, or leaves where the plane ends.
 float sandglass_by_heights(vec3 eye, vec3 ray) {
-  vec3 from = (sandglass_to_heights * vec4(eye, 1.0)).xyz, way = (sandglass_to_heights * vec4(ray, 0.0)).xyz;
-  float down = min(way.y, -0.000001), last = from.y / -down;
-  float first = clamp((sandglass_known.z - from.y) / down, 0.0, max(last, 0.0)), part = (last - first) / 24.0;
+  vec3 start = (sandglass_to_heights * vec4(eye, 1.0)).xyz, way = (sandglass_to_heights * vec4(ray, 0.0)).xyz;
+  float down = min(way.y, -0.000001), last = start.y / -down;
+  float first = clamp((sandglass_known.z - start.y) / down, 0.0, max(last, 0.0)), part = (last - first) / 24.0;
   float before = 0.0, met = -1.0;
   for (int i = 0; i < 25; ++i) {
-    vec3 place = from + way * (first + part * float(i));
+    vec3 place = start + way * (first + part * float(i));
     float over = place.y - sandglass_at(sandglass_heights, place.xz, 0.0);
     if (met < 0.0 && over < 0.0) { met = first + part * (float(i) - clamp(over / min(over - before, -0.000001), 0.0, 1.0)); }
     before = over;
   }
   met = met < 0.0 ? last : met;
-  vec3 end = from + way * met;
+  vec3 end = start + way * met;
   return way.y < 0.0 && sandglass_at(sandglass_heights, end.xz, 0.0) > -1.0 ? met : 0.0;
 }
 // At a place of the picture, that is seen from `eye` along `ray`, which is a metre long along the view's axis.

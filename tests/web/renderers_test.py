@@ -225,16 +225,25 @@ def raised(page, kind):
 BOOKS = (0, 0.05, 0.15)  # metres
 
 
-def by_depth(page, kind):
+def by_formula(name, found):
     """In 1/255 of the formula, but for pixels on a rim; without a depth, or by one that is off, it is another picture."""
-    found = page.ask(f"byDepth({json.dumps(kind)}, {json.dumps(BOOKS)})")
     most = {"image": 0, "a turned image": 0, "heights": 0.001, "a depth buffer": 0.001, "another camera": 0.1}
     for way, (step, eight) in found.items():
         right = step <= most[way] if way in most else step > 0.3
         check(
-            right,
-            f"three, {kind}, by depth, {way}: {step:.2%} of pixels off by 1 of 255, {eight:.2%} by 8{'' if way in most else ', as it must'}",
+            right, f"{name}, by depth, {way}: {step:.2%} of pixels off by 1 of 255, {eight:.2%} by 8{'' if way in most else ', as it must'}"
         )
+
+
+def babylon_by_depth(page, kind):
+    for left in ("false", "true"):
+        found = page.ask(f"babylonByDepth({json.dumps(kind)}, {left}, {json.dumps(BOOKS)})")
+        by_formula(f"babylon, {kind}{', left-handed' if left == 'true' else ''}", found)
+
+
+def by_depth(page, kind):
+    found = page.ask(f"byDepth({json.dumps(kind)}, {json.dumps(BOOKS)})")
+    by_formula(f"three, {kind}", found)
     # It sees past some rims.
     right, wrong = (found[way][1] for way in ("another camera", "another camera taken for the view's"))
     check(
@@ -330,6 +339,7 @@ def main(arguments):
         as_a_mesh(page, "webgl")
         restored(page)
         babylon_depth(page, "webgl")
+        babylon_by_depth(page, "webgl")
         for kind in ("webgl", "nodes on webgl"):
             floors(page, kind)
             raised(page, kind)
@@ -344,6 +354,7 @@ def main(arguments):
         by_depth(page, "nodes")
         same_picture(page, folder, "babylon", "nodes")
         babylon_depth(page, "nodes")
+        babylon_by_depth(page, "nodes")
         floors(page, "nodes")
         glass(page, "nodes")
         as_a_mesh(page, "nodes")

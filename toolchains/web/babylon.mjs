@@ -3,6 +3,7 @@
 import { Engine, oneMesh } from "./engine.mjs";
 import { checked } from "./options.mjs";
 import { frustumOf } from "./place_light.mjs";
+import { BabylonDepthReceiver } from "./babylon_depth.mjs";
 import { BabylonReceiver } from "./babylon_receive.mjs";
 import { BabylonSand } from "./babylon_sand.mjs";
 
@@ -24,6 +25,7 @@ class BabylonStage extends Engine {
       scene,
       z: scene.useRightHandedSystem ? 1 : -1,
       sun: new BABYLON.DirectionalLight("sandglass", new BABYLON.Vector3(0, -1, 0), scene),
+      byDepth: new Set(),
       placing: "computeWorldMatrix",
     });
     // The engine takes harmonics from a cube map; this one is black, so that nothing is reflected.
@@ -164,6 +166,12 @@ class BabylonStage extends Engine {
     };
     veil.move(pose);
     return veil;
+  // Shadows fall on what is drawn already, by its depth.
+  receiveByDepth(options) {
+    this.refuseEnded();
+    const made = new BabylonDepthReceiver(this, options);
+    this.byDepth.add(made);
+    return made;
   }
 
   // Sand, as a node of meshes in the scene. Options as for Stage.createSand.
@@ -179,6 +187,7 @@ class BabylonStage extends Engine {
     if (this.scene.environmentTexture === this.around) this.scene.environmentTexture = null;
     this.around.dispose();
     this.sun.dispose();
+    for (const one of this.byDepth) one.dispose();
     this.receiver.end();
   }
   show(drawn, changed) {
@@ -194,5 +203,6 @@ class BabylonStage extends Engine {
     sun.diffuse = BABYLON.Color3.FromArray(facing);
     sun.specular = sun.diffuse;
     this.receiver.set(drawn, changed);
+    for (const one of this.byDepth) one.showTextures();
   }
 }

@@ -1,5 +1,5 @@
 // What shadows leave of a material's light in Babylon.js: a plugin of PBR materials, in GLSL and WGSL.
-import { receive, receivers, receiverValues } from "./glsl.mjs";
+import { depthNumbers, receive, receivers, receiverValues } from "./glsl.mjs";
 import { ShadowTextures, nothingDrawn } from "./shadow_textures.mjs";
 import { k_wgsl } from "./kit_wgsl.mjs";
 
@@ -60,6 +60,7 @@ export const textureMaker = ({ RawTexture, Constants }, scene) => ({
     const how = [scene, false, false, TEXTURE_BILINEAR_SAMPLINGMODE, TEXTURETYPE_UNSIGNED_BYTE];
     const made = RawTexture.CreateRTexture(bytes.slice(), side, bytes.length / side, ...how);
     made.wrapU = made.wrapV = TEXTURE_CLAMP_ADDRESSMODE;
+    made.anisotropicFilteringLevel = 1; // more would read other layers where two meet
     return made;
   },
   fill: (texture, bytes) => texture.update(bytes.slice()),
@@ -136,6 +137,7 @@ export class BabylonReceiver {
   // `changed`: names of textures.
   set(drawn, changed) {
     this.vectors = receiverValues(drawn);
+    this.numbers = depthNumbers(drawn);
     for (const name of changed) this.textures.show(name, drawn.textures[name]);
   }
   end() {

@@ -7,7 +7,13 @@ const k_farthest = 1e6; // metres, of a texture that has them
 const k_identity = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
 const k_flipped = [1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1, 0, 0, 1, 0, 1]; // y of a picture from its other end
 const k_picture = [0.5, 0, 0, 0, 0, -0.5, 0, 0, 0, 0, 0, 0, 0.5, 0.5, 0, 1]; // from clip space, its upper left corner first
-export const depthNames = ["sandglass_to_depth", "sandglass_from_depth", "sandglass_to_heights", "sandglass_metres", "sandglass_known"];
+export const depthNames = [
+  "sandglass_to_depth",
+  "sandglass_from_depth",
+  "sandglass_to_heights",
+  "sandglass_metres",
+  "sandglass_known",
+];
 
 const product = (a, b) =>
   Array.from({ length: 16 }, (_, i) => [0, 1, 2, 3].reduce((sum, k) => sum + a[(i % 4) + 4 * k] * b[(i & 12) + k], 0));
@@ -75,7 +81,11 @@ const k_no_heights = { along: [1e9, 0, 0], across: [0, 0, 1e9], up: [0, 1, 0] };
 
 function toHeights({ corner, along, across, up }) {
   const rows = [along, up, across].map((axis, i) => Array.from(axis, (x) => (i === 1 ? x : x / scalar(axis, axis))));
-  return [...[0, 1, 2].flatMap((k) => [...rows.map((row) => row[k]), 0]), ...rows.map((row) => -scalar(row, corner)), 1];
+  return [
+    ...[0, 1, 2].flatMap((k) => [...rows.map((row) => row[k]), 0]),
+    ...rows.map((row) => -scalar(row, corner)),
+    1,
+  ];
 }
 
 // How a camera's depth buffer gives metres along its axis, and those at which nothing is drawn.

@@ -21,8 +21,9 @@ export interface Place {
 
 /** What a depth texture shows, as receiveByDepth takes it. */
 export interface ByDepth {
-  /** A texture of three.js: a depth texture that a camera has drawn (a render target's; not logarithmic), or an image of depth along
-   * the camera's axis, the upper row first, 0 where it is not known. */
+  /** An image of depth along the camera's axis, the upper row first, 0 where it is not known; Babylon's depth renderer with
+   * storeCameraSpaceZ makes one, with `metres` 1. In three.js also a depth texture that a camera has drawn, of a render target, and not
+   * logarithmic. */
   depth?: object | null;
   /** Of an image: what its numbers are times to give metres; times depth_scale of sandglass_heights, where there is a relief. */
   metres?: number;
@@ -70,11 +71,12 @@ export interface EngineStage {
   see(image: object, camera: object, view?: View): Promise<void>;
   receive<Material extends object>(material: Material, options?: { shadowOnly?: boolean }): Material;
   stopReceiving(material: object): void;
-  /** three.js only. Shadows fall on what is drawn already, the camera's picture or splats, where its depth says that it stands: they slide
-   * over books and slopes. `height` of createStage is as high as those are; what is twice as high, a hand, gets none. Nothing
-   * virtual gets any, as the mesh lies behind all that wrote depth. It is drawn after scene.background and before what has a renderOrder from 0
-   * on; for splats set its material's `transparent`, and a renderOrder above theirs. With WebGPURenderer a picture behind the
-   * canvas needs a clear alpha below 1, and no scene.background. Surfaces are taken to face up. */
+  /** Shadows fall on what is drawn already, the camera's picture or splats, where its depth says that it stands: they slide over books
+   * and slopes. `height` of createStage is as high as those are; what is twice as high, a hand, gets none. The mesh lies behind all
+   * that has written depth, so nothing virtual gets any. three.js draws it after scene.background and before what has a
+   * renderOrder from 0 on; for splats set its material's `transparent`, and a renderOrder above theirs. With
+   * WebGPURenderer a picture behind the canvas needs a clear alpha below 1, and no scene.background. Babylon.js draws it after
+   * layers and what is opaque; for splats set an alphaIndex above theirs. Surfaces are taken to face up. */
   receiveByDepth(what?: ByDepth): DepthReceiver;
   createSand(options?: SandOptions): Promise<any>;
   /** There is no sand any more, and nothing pours. */

@@ -1,6 +1,6 @@
 // Shadows by depth in three.js, beside the formula in numbers of 64 bits: on a plane, a book and a slope.
 import * as frame from "./scene.mjs";
-import { done, threeScene } from "./renderers.mjs";
+import { babylonScene, done, shown, threeScene } from "./renderers.mjs";
 import { createStage } from "sandglass/three";
 
 const { side } = frame;
@@ -63,7 +63,7 @@ function layered(image, x, z, above, outside) {
   const lower = Math.floor(layer);
   return blended(one(lower), one(Math.min(lower + 1, k_layers - 1)), layer - lower);
 }
-function left({ x, y, z }) {
+function leftAt({ x, y, z }) {
   const hidden = layered(k_images.shadow, x - k_slide[0] * y, z - k_slide[1] * y, y, 0);
   const open = layered(k_images.occlusion, x, z, y, 1);
   const drawn = clamped(2 - Math.abs(y) / k_height, 0, 1);
@@ -209,7 +209,7 @@ export async function byDepth(kind, books) {
       const bytes = await look();
       const off = pixels.map((pixel, i) => {
         const place = way === "heights" ? onHeights(pixel, held, highest) : pixel.place;
-        return Math.abs(bytes[4 * i] - encoded(place ? left(place) : 1));
+        return Math.abs(bytes[4 * i] - encoded(place ? leftAt(place) : 1));
       });
       [1, 8].forEach((step, k) => {
         const share = off.filter((x) => x > step).length / off.length;
@@ -245,7 +245,7 @@ export async function besideDepth(kind) {
   stage.update(1 / 60);
   const bytes = await look();
   const alpha = pixels.reduce(
-    (most, { place }, i) => Math.max(most, Math.abs(255 - bytes[4 * i + 3] - encoded(left(place)))),
+    (most, { place }, i) => Math.max(most, Math.abs(255 - bytes[4 * i + 3] - encoded(leftAt(place)))),
     0,
   );
   stage.dispose();
@@ -302,4 +302,53 @@ export async function slides(kind, heights, degrees) {
   stage.dispose();
   done(renderer);
   return { found, floor, made: [before, made - before] };
+}
+
+// The same in Babylon.js, whose picture is encoded by a power; and by its own depth renderer.
+export async function babylonByDepth(kind, left, books) {
+  const THREE = await import("three");
+  const made = await babylonScene(kind, left);
+  const { BABYLON, engine, scene, stage, look, occluder } = made;
+  const { eye, target } = frame.scenes[frame.first];
+  const camera = new THREE.PerspectiveCamera(40, 1, 0.05, 20);
+  camera.position.set(...eye);
+  camera.lookAt(...target);
+  camera.updateMatrixWorld();
+  scene.clearColor = new BABYLON.Color4(1, 1, 1, 1);
+  stage.sand.root.setEnabled(false);
+  occluder.isVisible = false;
+  stage.stage = frame.replay({ ...(await frame.recorded()), ...k_drawn });
+  const receiver = stage.receiveByDepth();
+  const found = {};
+  for (const book of books) {
+    const meshes = things(THREE, book);
+    for (const mesh of meshes) mesh.updateMatrixWorld();
+    const pixels = seen(THREE, camera, meshes);
+    const metres = imageOf(THREE, pixels).image.data;
+    const image = BABYLON.RawTexture.CreateRTexture(metres, side, side, scene, false, false, 1, 1);
+    const { heights } = k_ways.heights({ THREE, book });
+    const held = heights.heights.map((x) => BABYLON.FromHalfFloat(BABYLON.ToHalfFloat(x)));
+    const highest = held.reduce((most, x) => Math.max(most, x));
+    for (const [way, options] of Object.entries({
+      image: { depth: image, metres: k_bias },
+      heights: { heights },
+      floor: {},
+    })) {
+      receiver.set({ depth: null, heights: null, ...options });
+      stage.update(1 / 60);
+      const bytes = await shown(scene, look);
+      const off = pixels.map((pixel, i) => {
+        const place = way === "heights" ? onHeights(pixel, held, highest) : pixel.place;
+        return Math.abs(bytes[4 * i] - 255 * (place ? leftAt(place) : 1) ** (1 / 2.2));
+      });
+      [1, 8].forEach((step, k) => {
+        const share = off.filter((x) => x > step).length / off.length;
+        found[way] ??= [0, 0];
+        found[way][k] = Math.max(found[way][k], share);
+      });
+    }
+    image.dispose();
+  }
+  engine.dispose();
+  return found;
 }

@@ -23,6 +23,15 @@ export async function left(engine, kind) {
   return { counts, within };
 }
 async function madeAndShown(stage, material) {
+  const heights = {
+    cells: [2, 2],
+    heights: [0, 0, 0, 0],
+    corner: [0, 0, 0],
+    along: [1, 0, 0],
+    across: [0, 0, 1],
+    up: [0, 1, 0],
+  };
+  stage.receiveByDepth({ heights });
   stage.receive(material);
   stage.receive(material);
   await stage.createSand({ particles: 100 });
@@ -34,15 +43,6 @@ async function threeRound({ THREE, renderer, camera }, isShown) {
   const floor = new THREE.Mesh(new THREE.PlaneGeometry(2, 2), new THREE.MeshStandardMaterial());
   scene.add(floor);
   const stage = await createStage(THREE, { renderer, scene, worker: true });
-  const heights = {
-    cells: [2, 2],
-    heights: [0, 0, 0, 0],
-    corner: [0, 0, 0],
-    along: [1, 0, 0],
-    across: [0, 0, 1],
-    up: [0, 1, 0],
-  };
-  stage.receiveByDepth({ heights });
   await madeAndShown(stage, floor.material);
   renderer.render(scene, camera);
   isShown();
