@@ -227,7 +227,7 @@ BOOKS = (0, 0.05, 0.15)  # metres
 
 def by_formula(name, found):
     """In 1/255 of the formula, but for pixels on a rim; without a depth, or by one that is off, it is another picture."""
-    most = {"image": 0, "a turned image": 0, "heights": 0.001, "a depth buffer": 0.001, "another camera": 0.1}
+    most = {"image": 0, "a turned image": 0, "heights": 0.001, "a depth buffer": 0.001, "a depth renderer": 0.001, "another camera": 0.1}
     for way, (step, eight) in found.items():
         right = step <= most[way] if way in most else step > 0.3
         check(

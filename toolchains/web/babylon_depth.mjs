@@ -62,7 +62,12 @@ export class BabylonDepthReceiver {
     const view = new DepthView((depth) => typeof depth.getInternalTexture === "function");
     view.set(options);
     const { isWebGPU } = scene.getEngine();
-    Object.assign(this, { stage, view, heights: null, nothing: this.#texture(BABYLON, scene, new Uint16Array(1), [1, 1]) });
+    Object.assign(this, {
+      stage,
+      view,
+      heights: null,
+      nothing: this.#texture(BABYLON, scene, new Uint16Array(1), [1, 1]),
+    });
     const material = new BABYLON.ShaderMaterial("sandglass", scene, isWebGPU ? k_wgsl_source : k_glsl, {
       attributes: ["position"],
       uniforms: [...k_own, ...k_uniforms.map(([name]) => name)],

@@ -304,6 +304,23 @@ export async function slides(kind, heights, degrees) {
   return { found, floor, made: [before, made - before] };
 }
 
+// The depth of meshes that only its camera sees.
+function byDepthRenderer({ BABYLON, scene, camera }, z, meshes) {
+  const eye = camera.clone("depth");
+  eye.layerMask = 0x10000000;
+  const list = meshes.map(({ geometry }) => {
+    const mesh = new BABYLON.Mesh("", scene);
+    mesh.setVerticesData("position", geometry.getAttribute("position").array);
+    mesh.setIndices(Array.from(geometry.index.array));
+    mesh.material = Object.assign(new BABYLON.StandardMaterial("", scene), { backFaceCulling: false });
+    mesh.scaling.z = z;
+    mesh.layerMask = eye.layerMask;
+    return mesh;
+  });
+  const map = scene.enableDepthRenderer(eye, false, true, 1, true).getDepthMap();
+  map.renderList = list;
+  return map;
+}
 // The same in Babylon.js, whose picture is encoded by a power; and by its own depth renderer.
 export async function babylonByDepth(kind, left, books) {
   const THREE = await import("three");
@@ -331,6 +348,7 @@ export async function babylonByDepth(kind, left, books) {
     const highest = held.reduce((most, x) => Math.max(most, x));
     for (const [way, options] of Object.entries({
       image: { depth: image, metres: k_bias },
+      "a depth renderer": { depth: byDepthRenderer(made, left ? -1 : 1, meshes), metres: 1 },
       heights: { heights },
       floor: {},
     })) {
