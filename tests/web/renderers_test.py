@@ -312,6 +312,7 @@ def versions(npm, work):
             for kind in kinds:
                 found = page.ask(f"same('three', '{kind}', '{SCENES[0]}')")
                 check(within(found), f"three {version}, {kind}: {words(found)}")
+                by_depth(page, kind)
 
 
 def main(arguments):

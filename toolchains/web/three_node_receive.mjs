@@ -76,7 +76,11 @@ export class NodeReceiver {
     if (renderer.logarithmicDepthBuffer) material.depthNode = T.float(1);
     this.showDepth(material, values);
     material.outputNode = T.Fn(() => {
-      const { sandglass_left_by_depth } = depthNodes(T, { ...this.given.nodes, ...own.nodes });
+      const { sandglass_depth } = own.nodes;
+      // r184 cannot name a level of a depth texture by WebGL.
+      const plain = { sample: (at) => ({ level: () => sandglass_depth.sample(at) }) };
+      const depth = { sandglass_depth: sandglass_depth.value.isDepthTexture ? plain : sandglass_depth };
+      const { sandglass_left_by_depth } = depthNodes(T, { ...this.given.nodes, ...own.nodes, ...depth });
       return this.#black(sandglass_left_by_depth(at, T.cameraPosition, ray).toVar());
     })();
     return material;
