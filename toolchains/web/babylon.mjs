@@ -166,6 +166,8 @@ class BabylonStage extends Engine {
     };
     veil.move(pose);
     return veil;
+  }
+
   // Shadows fall on what is drawn already, by its depth.
   receiveByDepth(options) {
     this.refuseEnded();
