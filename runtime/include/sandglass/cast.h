@@ -36,8 +36,9 @@
  *   float high = texture(image, vec2(at.x, (min(lower + 1.0, layers - 1.0) + at.y) / layers)).r;
  *   return mix(low, high, layer - lower);
  *
- * `image` is side texels wide and layers * side high. models/kit/receive.glsl has this for floors. What receives should not
- * be one of the meshes: its own lower part, in the layer below it, would shade its top.
+ * `image` is side texels wide and layers * side high. models/kit/receive.glsl has this for floors, depth.glsl
+ * there for what a depth texture shows. What receives should not be one of the meshes: its own lower part, in the layer
+ * below it, would shade its top.
  *
  * A texture may take several frames; the one before it stays valid until it is complete. Where there are more than 4,000
  * triangles a coarse first texture comes ahead. Nothing is allocated, no clock is read, and the same bytes come out of
