@@ -77,6 +77,7 @@ def main():
                     "options",
                     "mesh_field",
                     "place_light",
+                    "webxr",
                     "stage_hands",
                     "stage_place",
                     "stage_shadows",

@@ -289,6 +289,11 @@ export class Page {
     for (const { field, at } of this.objects)
       if (field)
         scene.colliders[first++].set({ shape: constants.SANDGLASS_SHAPE_FIELD, position: at, ...still, field });
+    if (this.real) {
+      const { fields, bodies } = this.stage.takePlace();
+      scene.input.set(fields);
+      for (const body of bodies) scene.colliders[first++].set({ ...still, field: 0, ...body });
+    }
     if (!this.tipped) return first;
     k_walls.forEach((wall, i) => scene.colliders[first + i].set(wall));
     return first + k_walls.length;

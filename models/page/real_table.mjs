@@ -1,8 +1,9 @@
 // The sand on a table of the user's own: WebXR. A hit test finds the table, a tap puts the scene there, a finger pours.
 // The light is the device's estimate; where the browser also gives the camera's picture, the library makes one beside it. Where
-// it knows walls, objects cast on the nearest; where it knows depth, what is real hides what is behind it. The scene keeps the
-// axes of the session's space, whose y is up.
+// it knows walls, objects cast on the nearest; where it knows depth, what is real hides what is behind it, and sand lies on it. The
+// scene keeps the axes of the session's space, whose y is up.
 import { frustumOf } from "./place_light.mjs";
+import { depthOf } from "./webxr.mjs";
 import { lightOfDevice } from "./room_light.mjs";
 
 const k_required = ["local", "hit-test"];
@@ -11,6 +12,7 @@ const k_depth = { usagePreference: ["cpu-optimized"], dataFormatPreference: ["lu
 const k_wall_reach = 1.5; // metres from the table: farther walls show no shadow
 const k_shrunk_width = 160; // pixels of the camera's picture, as the library gets it
 const k_shrunk_every_ms = 250;
+const k_least_depth = 16; // pixels a side; fewer show no heights
 
 export class RealTable {
   // Throws what is missing.
@@ -105,6 +107,7 @@ export class RealTable {
     this.takeWall(told);
     this.takeLight(now, told, pose);
     if (this.placed) {
+      this.takeHeights(told, pose.views[0]);
       page.at = this.finger && this.pointed(told);
       page.advance(seconds);
     }
@@ -147,6 +150,14 @@ export class RealTable {
       Float32Array.from(raw, (x) => x * depth.rawValueToMeters),
       [m[0], m[1], 0, -m[4], -m[5], 0, m[12] + m[4], m[13] + m[5], 1],
     );
+  }
+
+  // What stands on the table, for the sand.
+  takeHeights(told, view) {
+    const depth = view && told.getDepthInformation?.(view);
+    if (!depth?.data || Math.min(depth.width, depth.height) < k_least_depth) return;
+    const image = depthOf(depth, view);
+    this.page.stage.seeDepth({ ...image, position: image.position.map((x, k) => x - this.table[k]) });
   }
 
   takeLight(now, told, pose) {

@@ -31,7 +31,7 @@ const k_trials = 8; // frames at most, before the first picture is drawn
 const k_trial_ms = 120; // how long others follow
 
 export function newTableScene(sand) {
-  const more = 1 + k_walls.length + k_objects;
+  const more = 2 + k_walls.length + k_objects; // and the finger, and what is real
   const changes = { emitter_capacity: 2, collider_capacity: k_scene.colliders.length + more };
   return new SandScene(sand, k_scene, { clock: true, colliders: more, changes });
 }

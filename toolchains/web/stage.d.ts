@@ -206,6 +206,11 @@ export declare class Stage {
     cast_count: number;
     skin: Handle<"sandglass_skin">;
   };
+  /** What each frame of that scene takes of the real place: fields of sandglass_frame_input, and a collider or none. */
+  takePlace(): {
+    fields: { relief: Handle<"sandglass_relief">; depth: Pointer };
+    bodies: { shape: number; position: number[]; relief: Handle<"sandglass_relief">; id: number }[];
+  };
   /** Its sand is other sand at once: nothing of what was drawn is kept. */
   refresh(): void;
   /** What changed since the call before, drawn in this light. Arrays are views of the module's memory, valid until the

@@ -154,6 +154,11 @@ export class Stage {
   get frameFields() {
     return { ...this.#shadows.fields, skin: this.#changes?.skin ?? 0 };
   }
+  // What each frame of it takes of the real place: fields, and a collider or none.
+  takePlace() {
+    this.#shadows.setGround(this.#place.heights);
+    return { fields: this.#place.fields(), bodies: this.#place.bodies };
+  }
   refresh() {
     this.#shadows.refresh();
     this.sand.sandglass_skin_refresh(this.#changes.skin);
@@ -360,6 +365,7 @@ export class Stage {
   }
   // For another frame of the world.
   forget() {
+    this.#place.forget();
     this.#light.forget();
   }
 

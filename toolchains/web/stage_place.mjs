@@ -182,6 +182,9 @@ export class StagePlace {
     this.#new = false;
     return { relief: this.#relief, depth };
   }
+  forget() {
+    if (this.#relief) this.#sand.sandglass_relief_reset(this.#relief);
+  }
   // As shadows of sand fall on them; 0: there are none.
   get heights() {
     if (this.#relief) this.#sand.sandglass_relief_get_heights(this.#relief, this.#heights);

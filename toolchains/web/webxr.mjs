@@ -1,6 +1,6 @@
 // What WebXR tells of hands, of the room and of depth, as a stage takes it.
 
-const k_pixels = { 2: Uint16Array, 4: Float32Array }; // by their bytes
+const k_depth_pixels = { 2: Uint16Array, 4: Float32Array }; // by their bytes
 const k_straight = 1e-3; // how far a depth image's axes may be from square
 
 // The left hand and the right: of each its joints, or null where one of them is lost.
@@ -35,7 +35,7 @@ const fan = (corners) => ({
 export function depthOf(depth, view) {
   const { width, height, rawValueToMeters, normDepthBufferFromNormView } = depth;
   const { transform, projectionMatrix } = depth.projectionMatrix && depth.transform ? depth : (view ?? {});
-  const Kind = k_pixels[depth.data?.byteLength / (width * height)];
+  const Kind = k_depth_pixels[depth.data?.byteLength / (width * height)];
   if (!depth.data)
     throw new Error(
       "sandglass: seeDepth cannot read a texture. Ask the session for depthSensing with cpu-optimized, or read it back and pass { data, " +
