@@ -9,15 +9,17 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cctype>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <functional>
-#include <map>
 #include <set>
+#include <span>
 #include <string>
+#include <string_view>
 #include <tuple>
 #include <type_traits>
 #include <vector>
@@ -32,21 +34,39 @@ using test::GuardedBlock;
 
 inline bool in_word(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
 
-inline bool has_word(const char* said, const std::string& word) {
+inline bool has_word(const char* said, std::string_view word) {
   const std::string sentence = said != nullptr ? said : "";
   for (size_t at = 0; (at = sentence.find(word, at)) != std::string::npos; ++at)
     if ((at == 0 || !in_word(sentence[at - 1])) && !in_word(sentence.c_str()[at + word.size()])) return true;
   return false;
 }
 
-// The arguments of each function that has a pointer among them.
-inline const std::map<std::string, std::vector<std::string>> k_functions = {
+// The arguments of each function that has a pointer among them: no more than header_facts.py lets it have.
+struct Function {
+  std::string_view name;
+  std::string_view arguments[7];
+};
+inline constexpr Function k_functions[] = {
 #include "arguments.inc"
 };
 
 // A function with its name.
 #define NAMED(function) #function, function
 #define MADE(type, block, desc_of) made<type>(block, desc_of, NAMED(type##_bytes), NAMED(type##_create))
+
+// A call with arguments that may have changed since. It is of one type for all functions: what is of each one's own is compiled
+// for each.
+class Call {
+ public:
+  template <class Closure>
+  explicit Call(Closure& closure)
+      : closure_(&closure), call_([](void* at) { return (*static_cast<Closure*>(at))(); }) {}
+  int operator()() const { return call_(closure_); }
+
+ private:
+  void* closure_;
+  int (*call_)(void*);
+};
 
 // Where a pointer stands; null for anything else.
 template <class T>
@@ -86,20 +106,18 @@ class Arguments : public ::testing::Test {
       row(name, function, optional, given..., &reason);
     } else {
       std::tuple<P...> arguments(given...);
-      const std::function<int()> call = [&]() -> int {
+      auto closure = [&]() -> int {
         if constexpr (std::is_void_v<R>) {
           std::apply(function, arguments);
           return 0;
         } else if constexpr (k_refuses) return std::apply(function, arguments);
         else return std::apply(function, arguments) != R{} ? 1 : 0;
       };
+      const Call call(closure);
       SCOPED_TRACE(name);
-      std::vector<void*> pointers;
-      const auto look = [&](auto* place) {
-        pointers.push_back(pointer_at(place));
-        struct_size(name, place, k_refuses, call);
-      };
-      std::apply([&](auto&... each) { (look(&each), ...); }, arguments);
+      const std::array<void*, sizeof...(P)> pointers =
+          std::apply([](auto&... each) { return std::array<void*, sizeof...(P)>{pointer_at(&each)...}; }, arguments);
+      std::apply([&](auto&... each) { (struct_size(name, &each, k_refuses, call), ...); }, arguments);
       // The block stands before its size, the place for what is made before `reason`.
       if constexpr (sizeof...(P) > 4) {
         constexpr size_t k_made = sizeof...(P) - 2;
@@ -121,7 +139,7 @@ class Arguments : public ::testing::Test {
   }
 
   template <class T>
-  void struct_size(const std::string& name, T** place, bool refuses, const std::function<int()>& call) {
+  void struct_size(const char* name, T** place, bool refuses, const Call& call) {
     if constexpr (!std::is_const_v<T> && k_sized<T>) {
       if (!fills_within_size(name)) return;
       T* const good = *place;
@@ -134,10 +152,10 @@ class Arguments : public ::testing::Test {
       ++filled_;
     }
   }
-  void struct_size(const std::string&, const void*, bool, const std::function<int()>&) {}
+  void struct_size(const char*, const void*, bool, const Call&) {}
 
   template <class Handle>
-  void block_size(void** place, uint64_t* size, Handle* const& made, const std::function<int()>& call) {
+  void block_size(void** place, uint64_t* size, Handle* const& made, const Call& call) {
     const uint64_t announced = *size;
     void* const good = *place;
     Handle* const before = made;
@@ -163,18 +181,19 @@ class Arguments : public ::testing::Test {
     ++blocks_;
   }
 
-  void block_size(void**, uint64_t*, uint64_t, const std::function<int()>&) {}  // saves bytes, and makes nothing
+  void block_size(void**, uint64_t*, uint64_t, const Call&) {}  // saves bytes, and makes nothing
 
   // Calls once for each of the pointers, with that one NULL. The call returns a status, or whether a value is not 0.
-  void without_each(const char* name, bool refuses, const char* optional, const std::vector<void*>& pointers,
-                    const std::function<int()>& call) {
+  void without_each(const char* name, bool refuses, const char* optional, std::span<void* const> pointers,
+                    const Call& call) {
     covered_.insert(name);
-    const auto function = k_functions.find(name);
-    ASSERT_NE(function, k_functions.end()) << name << " is not in the headers";
-    ASSERT_EQ(function->second.size(), pointers.size()) << name;
+    const Function* const function = std::ranges::find(k_functions, std::string_view(name), &Function::name);
+    ASSERT_NE(function, std::end(k_functions)) << name << " is not in the headers";
+    ASSERT_EQ(static_cast<size_t>(std::ranges::find(function->arguments, "") - function->arguments), pointers.size())
+        << name;
     for (size_t i = 0; i < pointers.size(); ++i) {
       if (pointers[i] == nullptr) continue;
-      const std::string& argument = function->second[i];
+      const std::string argument(function->arguments[i]);
       const bool accepted = has_word(optional, argument) || argument == "reason";
       void* good;
       std::memcpy(&good, pointers[i], sizeof good);
