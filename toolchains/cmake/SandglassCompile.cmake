@@ -3,7 +3,9 @@
 #                                              of static variables, and no fused multiply-add, so that every instruction
 #                                              set gives the same hash.
 #   sandglass_device_rules(NAME)               the same rules for a target that is not such a folder: Unity's plug-in.
-#   sandglass_host_target(NAME [TEST])         warnings for workstation code; common headers are parsed once.
+#   sandglass_host_target(NAME [TEST|COLD])    warnings for workstation code; common headers are parsed once. COLD: no fuzzer
+#                                              runs it and no test waits for it, so under sanitizers it is not optimised,
+#                                              which takes clang half the time.
 #
 # SANDGLASS_HOST_OPTIONS are further options for workstation code alone. The builds of the second compiler and for ARM
 # set -O1 there, which compiles faster, while the library is optimised as it ships. Tests are always -O1, because
@@ -61,6 +63,9 @@ function(sandglass_host_target name)
   if(ARGN STREQUAL "TEST")
     set(headers sandglass_test_headers)
     target_compile_options(${name} PRIVATE ${SANDGLASS_TEST_OPTIONS})
+  elseif(ARGN STREQUAL "COLD" AND CMAKE_CXX_FLAGS MATCHES "-fsanitize")
+    set(headers sandglass_cold_headers)
+    target_compile_options(${name} PRIVATE -O0)
   endif()
   if(TARGET ${headers} AND NOT ARGN STREQUAL "HEADERS")
     target_precompile_headers(${name} REUSE_FROM ${headers})
