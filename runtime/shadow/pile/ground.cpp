@@ -2,6 +2,8 @@
 // shadow of its place on that, read between the middles of the map's cells.
 #include "runtime/shadow/pile/pile.h"
 
+#include <cstring>
+
 #include "runtime/frame/refuse.h"
 #include "runtime/math/finite.h"
 
@@ -83,6 +85,10 @@ float ground_at(const PileGround& ground, float column, float row) {
 }
 
 void ground_row(const PileGround& ground, uint32_t row, uint32_t texels, uint32_t joined, float* heights) {
+  if (ground.map.heights == nullptr) {
+    memset(heights, 0, texels * sizeof *heights);
+    return;
+  }
   const float side = static_cast<float>(joined), z = (static_cast<float>(row) + 0.5f) * side;
   for (uint32_t u = 0; u < texels; ++u) heights[u] = ground_at(ground, (static_cast<float>(u) + 0.5f) * side, z);
 }

@@ -181,7 +181,7 @@ bool lighting_run(PileLighting* lighting, const Pile& p, uint8_t* texture, bool 
     } else {
       ground_row(p.ground, lighting->row, texels, 1, lighting->ground);
       const float* tops = p.columns.tops + uint64_t{lighting->row} * p.columns.pitch;
-      for (uint32_t u = 0; u < texels && !floor; ++u)
+      for (uint32_t u = 0; !floor && u < texels; ++u)
         lighting->receivers[u] = tops[u] > 0 ? tops[u] + k_surface_lift * p.request.source.radius : lighting->ground[u];
       light_row(lighting, p, floor, coverage);
     }
