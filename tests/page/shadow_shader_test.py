@@ -149,6 +149,14 @@ void main() { gl_Position = vec4(2 * (gl_VertexID & 1) - 1, 2 * (gl_VertexID >> 
     return farthest(browser, vertex, fragment, uniforms, [[name, TEXELS, maps[name]] for name in maps], formula)
 
 
+def between(layers, rectangle, at, u, v, outside):
+    """Of layers one after the other, `at` of them up."""
+    at = min(max(at, 0), len(layers) - 1)
+    lower = min(int(at), len(layers) - 2)
+    low, high = (sampled(layers[layer], rectangle, u, v, outside) for layer in (lower, lower + 1))
+    return low + (at - lower) * (high - low)
+
+
 def farthest_on_sample(browser, fragment, draw, eye):
     """Of toolchains/android/sample/sand.cpp: what it leaves of the table's light, in steps of a byte."""
     fragment = "#version 300 es\n" + fragment
@@ -161,28 +169,51 @@ void main() { place = vec2(2 * (gl_VertexID & 1) - 1, 2 * (gl_VertexID >> 1) - 1
         "sand": [0.1, 0.0, 0.9, 0.8],
         "sand_room": [0.1, 0.0, 0.9, 0.8],
     }
-    maps, depth, s = noise_of(rectangles, draw), [51 * draw.randrange(6) for _ in range(TEXELS * TEXELS)], 0.35
+    number, height, slide, place_of_eye, s = 3, 0.15, [0.9, -0.4], [0.3, -0.6], 0.35
+    maps = {name: [noise_of([name], draw)[name] for _ in range(number if "object" in name else 1)] for name in rectangles}
+    depth = [51 * draw.randrange(6) for _ in range(TEXELS * TEXELS)]
     uniforms = {
         "s": s,
         "sand_opacity": 0.7,
         "viewport": [SIDE, SIDE],
+        "eye": place_of_eye,
         "eye_height": eye,
         "bias": BIAS,
+        "height": height,
+        "slide": slide,
+        "layers": [number, number],
         "depth_from_screen": [1, 0, 0, 0, 1, 0, 0, 0, 1],
         **{f"{name}_box": box_of(r) for name, r in rectangles.items()},
     }
 
-    def formula(x, z):
-        def at(name, outside):
-            return sampled(maps[name], rectangles[name], x, z, outside)
+    def stands(byte):
+        """What is drawn is 1 m away."""
+        real = byte / 255
+        before = eye * (1 - real) if eye > 0 else 1 - real
+        t = min(max(before / BIAS - 1, 0), 1)
+        return 255 * t * t * (3 - 2 * t) * (before if eye > 0 else 2 * height) if real > 0 else 0
 
-        left = s * (1 - at("object", 0)) * (1 - 0.7 * at("sand", 0)) + max(at("object_room", 1) - s, 0) * max(at("sand_room", 1) - s, 0) / (
-            1 - s
-        )
-        left += (1 - left) * hidden(depth, x, z, BIAS, [(eye, 0)])
+    above = [stands(byte) for byte in depth]
+
+    def formula(x, z):
+        up = sampled(above, [-1, -1, 1, 1], x, z, None)
+        share = up / eye if eye > 0 else 0
+        place = [c + (e - c) * share for c, e in zip((x, z), place_of_eye)]
+
+        def at(name, outside, along=(0, 0)):
+            u, v = (c - up * d for c, d in zip(place, along))
+            if len(maps[name]) == 1:
+                return sampled(maps[name][0], rectangles[name], u, v, outside)
+            return between(maps[name], rectangles[name], up / height * (number - 1), u, v, outside)
+
+        left = s * (1 - at("object", 0, slide)) * (1 - 0.7 * at("sand", 0))
+        left += max(at("object_room", 1) - s, 0) * max(at("sand_room", 1) - s, 0) / (1 - s)
+        t = min(max(up / height - 1, 0), 1)
+        left += (1 - left) * t * t * (3 - 2 * t)
         return 255 * (1 - left ** (1 / 2.2))  # opacity of the black that is blended over the table
 
-    textures = [[name, TEXELS, maps[name]] for name in maps] + [["depth", TEXELS, [1000 * byte // 255 for byte in depth]]]
+    textures = [[name, TEXELS, sum(layers, []), len(layers) * TEXELS] for name, layers in maps.items()]
+    textures += [["depth", TEXELS, [1000 * byte // 255 for byte in depth]]]
     return farthest(browser, vertex, fragment, uniforms, textures, formula, "alpha")
 
 
@@ -230,14 +261,6 @@ def farthest_on_readme(browser, vertex, fragment, draw, s, eye):
         return encoded(decoded(floor) * left)
 
     return farthest(browser, vertex, fragment, uniforms, textures, formula)
-
-
-def between(layers, rectangle, at, u, v, outside):
-    """Of layers one after the other, `at` of them up."""
-    at = min(max(at, 0), len(layers) - 1)
-    lower = min(int(at), len(layers) - 2)
-    low, high = (sampled(layers[layer], rectangle, u, v, outside) for layer in (lower, lower + 1))
-    return low + (at - lower) * (high - low)
 
 
 def farthest_on_heap(browser, lighting, draw):
@@ -336,7 +359,7 @@ def shaders(arguments):
     if control:
         fragment = fragment.replace("p == clamp(p, 0.0, 1.0) ? texture(map, p).r : outside", "texture(map, p).r")
         lighting = lighting.replace("all(greaterThan(at, vec2(0))) && all(lessThan(at, vec2(1)))", "true")
-        sample = sample.replace("p == clamp(p, 0.0, 1.0) ? texture(map, p).r : outside", "texture(map, p).r")
+        sample = sample.replace("p == clamp(p, 0.0, 1.0) ?", "true ?")
         receive = receive.replace("clamp(at.y, half_texel, 1.0 - half_texel)", "at.y")
         heap = heap.replace("clamp(at.y, shadow_layers.z, 1.0 - shadow_layers.z)", "at.y")
     if "--depth" in arguments:

@@ -49,9 +49,10 @@ case $platform in
     mcs -unsafe -warnaserror -nowarn:0649 -target:library -out:"$output/sample.dll" "$4" "$sample/Sand.cs" "$stand_ins/UnityEngine.cs"
     for name in Sand Table; do
       { echo '#define fixed4 float4'
-        echo 'float4x4 UNITY_MATRIX_V, UNITY_MATRIX_P;'
+        echo 'float4x4 UNITY_MATRIX_V, UNITY_MATRIX_P, unity_ObjectToWorld;'
         awk '/CGPROGRAM/ {on = 1; next} /ENDCG/ {on = 0} on && !/#pragma|UnityCG.cginc/' "$sample/$name.shader"; } >"$output/$name.hlsl"
       for kind in vertex fragment; do shader "${kind:0:4}" "$output/$name.hlsl" -D -V -e "$kind" -o "$output/$kind.spv"; done
-    done ;;
+    done
+    for kind in vertex fragment; do shader "${kind:0:4}" "$output/Table.hlsl" -D -V -DON_MESH -e "$kind" -o "$output/$kind.spv"; done ;;
 esac
 echo "$platform: compiles"

@@ -20,6 +20,9 @@ constexpr float k_particle_radius = 0.01f;
 constexpr uint32_t k_particles = 1500, k_grains = 8 * k_particles;  // as much as a phone simulates in the budget
 constexpr uint64_t k_budget_ns = 4'000'000;
 constexpr float k_table = 0.5f;  // metres, to each side: where shadows are seen
+// Of the objects' shadows: for what is real upon the table, as depth shows it, so many metres up.
+constexpr uint32_t k_layers = 4;
+constexpr float k_receives = 0.15f;
 // Shares of the budget: light and depth rest up to the first, and go on above the second. Switching depth takes a while.
 constexpr float k_rests_at = 0.5f, k_goes_on_above = 0.7f;
 
@@ -33,18 +36,19 @@ struct Shading {
   float to_light[3], sun[3], ambient[3];
 };
 
-// What hides light from the table, as runtime/shadow/README.md draws it: a byte a texel, row after row. `box` is x and z of a
-// corner, from origin(), and one over the extents. Upload it when `version` has changed. 0: none was completed yet.
+// What hides light from the table, as runtime/shadow/README.md draws it: a byte a texel, row after row, layer after layer. `box` is x
+// and z of a corner, from origin(), and one over the extents. Upload it when `version` has changed. 0: none was completed yet.
 constexpr uint8_t k_none = 0, k_all = 255;
 struct ShadowTexture {
   const uint8_t* bytes;
-  uint32_t texels = 1;
+  uint32_t texels = 1, layers = 1;
   float box[4] = {};
   uint64_t version = 0;
 };
 struct Shadows {
   ShadowTexture object{&k_none}, object_room{&k_all}, sand{&k_none}, sand_room{&k_all};  // the main light's, the room's
   float main_share = 0, sand_opacity = 0;
+  float slide[2] = {};  // of `object`, along x and z, metres a metre up
 };
 
 // The buffers that grains are written to, in turns. Two are drawn, mixed as sandglass.h says at grains_time. The one to
@@ -93,7 +97,12 @@ class Sand {
     std::fill_n(pile.high, 2, k_table);
     pile.sky_texels = 64;
     if (status) status = pile_.create(pile);
-    if (status) status = cast_.create(sandglass::cast_desc());
+    sandglass_cast_desc cast = sandglass::cast_desc();
+    cast.layers = k_layers;
+    sandglass_cast_plane plane = sandglass::cast_plane();
+    plane.height = k_receives;
+    if (status) status = cast_.create(cast);
+    if (status) status = cast_.set_plane(plane);
     if (status) light_ = known_ = room_.light_at(origin_);  // what is usual in a room
     return status;
   }
@@ -184,6 +193,7 @@ class Sand {
     take(&all.sand_room, pile_.texture(SANDGLASS_PILE_SHADOW_SKY_FLOOR));
     all.sand_opacity = pile_.texture().scale;
     all.main_share = light_.main_share;
+    for (int k = 0; k < 2; ++k) all.slide[k] = cast_.texture().slide[2 * k];
     return all;
   }
 
@@ -197,7 +207,8 @@ class Sand {
 
  private:
   static void take(ShadowTexture* shadow, const sandglass_texture& t) {
-    if (t.valid) *shadow = {t.bytes, t.side, {t.corner[0], t.corner[2], 1 / t.along[0], 1 / t.across[2]}, t.version};
+    if (t.valid)
+      *shadow = {t.bytes, t.side, t.layers, {t.corner[0], t.corner[2], 1 / t.along[0], 1 / t.across[2]}, t.version};
   }
 
   sandglass::Scene scene_;

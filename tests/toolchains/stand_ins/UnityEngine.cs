@@ -38,7 +38,10 @@ public enum ScreenOrientation { Portrait = 1, PortraitUpsideDown = 2, LandscapeL
 public static class Screen { public static ScreenOrientation orientation { get; set; } }
 public sealed class RangeAttribute : Attribute { public RangeAttribute(float low, float high) {} }
 public static class Time { public static float deltaTime { get { return 0; } } }
-public class Material {}
+public class Material {
+  public Material(Material source) {}
+  public void EnableKeyword(string keyword) {}
+}
 public sealed class Mesh {
   public Vector3[] vertices { get { return null; } }
   public int[] triangles { get { return null; } }
@@ -65,6 +68,7 @@ public struct RenderParams {
   public Bounds worldBounds { get; set; }
 }
 public static class Graphics {
+  public static void RenderMesh(RenderParams parameters, Mesh mesh, int submesh, Matrix4x4 pose) {}
   public static void RenderPrimitives(RenderParams parameters, MeshTopology topology, int vertexCount, int instanceCount = 1) {}
 }
 public sealed class GraphicsBuffer : IDisposable {

@@ -59,18 +59,24 @@ precision highp float;
 precision highp usampler2D;
 uniform sampler2D object, object_room, sand, sand_room;
 uniform vec4 object_box, object_room_box, sand_box, sand_room_box;  // a corner, and one over the extents
+uniform vec2 layers;                                                // of the object's two textures
 uniform float s, sand_opacity;                                      // the main light's share
 uniform usampler2D depth;                                           // millimetres along the camera's axis; 0: not known
 uniform mat3 depth_from_screen;
-uniform vec2 viewport;
-uniform float eye_height, bias;                                     // metres; how wrong depth may be
+uniform vec2 viewport, eye, slide;                                  // eye: x and z
+uniform float eye_height, bias, height;                             // metres; how wrong depth may be; of the layers
 in vec2 place;
 out vec4 colour;
-float at(sampler2D map, vec4 box, float outside) {
-  vec2 p = (place - box.xy) * box.zw;
-  return p == clamp(p, 0.0, 1.0) ? texture(map, p).r : outside;
+float at(sampler2D map, vec4 box, vec2 from, float above, float number, float outside) {  // sandglass/cast.h
+  vec2 p = (from - box.xy) * box.zw;
+  float layer = clamp(above / height, 0.0, 1.0) * (number - 1.0), lower = floor(layer);
+  float half_texel = 0.5 / float(textureSize(map, 0).x), row = clamp(p.y, half_texel, 1.0 - half_texel);
+  float low = texture(map, vec2(p.x, (lower + row) / number)).r;
+  float high = texture(map, vec2(p.x, (min(lower + 1.0, number - 1.0) + row) / number)).r;
+  return p == clamp(p, 0.0, 1.0) ? mix(low, high, layer - lower) : outside;
 }
-float hidden() {
+// Metres that what is real stands above the table; an eye below that sees nothing of what lies on it.
+float stands() {
   ivec2 size = textureSize(depth, 0);
   vec2 p = (depth_from_screen * vec3(gl_FragCoord.xy / viewport, 1.0)).xy * vec2(size) - 0.5, part = fract(p);
   float sum = 0.0;
@@ -78,16 +84,19 @@ float hidden() {
     ivec2 corner = ivec2(i & 1, i >> 1);
     float real = 0.001 * float(texelFetch(depth, clamp(ivec2(floor(p)) + corner, ivec2(0), size - 1), 0).r);
     vec2 weight = mix(1.0 - part, part, vec2(corner));
-    float before = 1.0 / gl_FragCoord.w - real;  // models/kit/before.glsl
-    if (eye_height > 0.0) before = min(before, (1.0 - real * gl_FragCoord.w) * max(eye_height, 4.0 * bias));
-    sum += weight.x * weight.y * (real > 0.0 ? smoothstep(bias, 2.0 * bias, before) : 0.0);
+    float before = 1.0 / gl_FragCoord.w - real, above = 2.0 * height;
+    if (eye_height > 0.0) above = before = eye_height * (1.0 - real * gl_FragCoord.w);
+    sum += weight.x * weight.y * (real > 0.0 ? above * smoothstep(bias, 2.0 * bias, before) : 0.0);
   }
   return sum;
 }
 void main() {
-  float sharp = (1.0 - at(object, object_box, 0.0)) * (1.0 - sand_opacity * at(sand, sand_box, 0.0));
-  float rest = max(at(object_room, object_room_box, 1.0) - s, 0.0) * max(at(sand_room, sand_room_box, 1.0) - s, 0.0);
-  float left = mix(s * sharp + (s < 1.0 ? rest / (1.0 - s) : 0.0), 1.0, hidden());
+  float up = stands();
+  vec2 from = eye_height > 0.0 ? mix(place, eye, up / eye_height) : place;
+  float sharp = (1.0 - at(object, object_box, from - up * slide, up, layers.x, 0.0)) * (1.0 - sand_opacity * at(sand, sand_box, from, 0.0, 1.0, 0.0));
+  float rest = max(at(object_room, object_room_box, from, up, layers.y, 1.0) - s, 0.0) * max(at(sand_room, sand_room_box, from, 0.0, 1.0, 1.0) - s, 0.0);
+  // What stands higher, as a hand does, gets none.
+  float left = mix(s * sharp + (s < 1.0 ? rest / (1.0 - s) : 0.0), 1.0, smoothstep(height, 2.0 * height, up));
   colour = vec4(0.0, 0.0, 0.0, 1.0 - pow(left, 1.0 / 2.2));  // the surface blends encoded values
 }
 )glsl";
@@ -149,10 +158,10 @@ void draw_table(Session& s, const float projection[16], const float view[16], fl
   glUseProgram(s.table);
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
   for (int i = 0; i < 4; ++i) {
-    const auto side = static_cast<GLsizei>(all[i].texels);
+    const auto side = static_cast<GLsizei>(all[i].texels), rows = static_cast<GLsizei>(all[i].layers) * side;
     bind(s, i, GL_LINEAR);
     if (s.versions[i] != all[i].version)
-      glTexImage2D(GL_TEXTURE_2D, 0, GL_R8, side, side, 0, GL_RED, GL_UNSIGNED_BYTE, all[i].bytes);
+      glTexImage2D(GL_TEXTURE_2D, 0, GL_R8, side, rows, 0, GL_RED, GL_UNSIGNED_BYTE, all[i].bytes);
     s.versions[i] = all[i].version;
     glUniform1i(place(names[i]), i);
     glUniform4fv(place(boxes[i]), 1, all[i].box);
@@ -168,8 +177,17 @@ void draw_table(Session& s, const float projection[16], const float view[16], fl
   glUniform1f(place("sand_opacity"), shadows.sand_opacity);
   glUniform2f(place("viewport"), width, height);
   // The eye lies at -transpose(rotation) * translation of the view.
-  const float eye = -(view[4] * view[12] + view[5] * view[13] + view[6] * view[14]);
-  glUniform1f(place("eye_height"), eye - s.sand.origin()[1]);
+  float eye[3];
+  for (int k = 0; k < 3; ++k) {
+    const float* axis = view + 4 * k;
+    eye[k] = -(axis[0] * view[12] + axis[1] * view[13] + axis[2] * view[14]) - s.sand.origin()[k];
+  }
+  glUniform2f(place("eye"), eye[0], eye[2]);
+  glUniform1f(place("eye_height"), eye[1]);
+  glUniform2fv(place("slide"), 1, shadows.slide);
+  glUniform2f(place("layers"), static_cast<float>(shadows.object.layers),
+              static_cast<float>(shadows.object_room.layers));
+  glUniform1f(place("height"), sample::k_receives);
   glUniform1f(place("bias"), k_depth_bias);
   glEnable(GL_BLEND);
   glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);

@@ -146,7 +146,7 @@ static simd_float4 vector(const float v[3]) { return simd_make_float4(v[0], v[1]
   const sample::ShadowTexture *const all[4] = {&shadows.object, &shadows.object_room, &shadows.sand, &shadows.sand_room};
   for (int i = 0; i < 4; ++i) {
     if (_textures[i] == nil || _versions[i] != all[i]->version)
-      _textures[i] = new_texture(view.device, MTLPixelFormatR8Unorm, all[i]->texels, all[i]->texels, all[i]->bytes, all[i]->texels);
+      _textures[i] = new_texture(view.device, MTLPixelFormatR8Unorm, all[i]->texels, all[i]->layers * all[i]->texels, all[i]->bytes, all[i]->texels);
     _versions[i] = all[i]->version;
     constants.boxes[i] = simd_make_float4(all[i]->box[0], all[i]->box[1], all[i]->box[2], all[i]->box[3]);
   }
@@ -159,7 +159,13 @@ static simd_float4 vector(const float v[3]) { return simd_make_float4(v[0], v[1]
   constants.half_side = sample::k_table;
   constants.main_share = shadows.main_share;
   constants.sand_opacity = shadows.sand_opacity;
-  constants.eye_height = frame.camera.transform.columns[3].y - _sand.origin()[1];
+  const simd_float4 eye = frame.camera.transform.columns[3];
+  const float *const origin = _sand.origin();
+  constants.eye = simd_make_float2(eye.x - origin[0], eye.z - origin[2]);
+  constants.eye_height = eye.y - origin[1];
+  constants.slide = simd_make_float2(shadows.slide[0], shadows.slide[1]);
+  constants.layers = simd_make_float2(static_cast<float>(shadows.object.layers) - 1, static_cast<float>(shadows.object_room.layers) - 1);
+  constants.height = sample::k_receives;
   constants.depth_bias = 0.02f;  // metres: how wrong a LiDAR scanner's depth is at arm's length
   [encoder setRenderPipelineState:_table];
   [encoder setVertexBytes:&constants length:sizeof constants atIndex:0];

@@ -1,5 +1,5 @@
-// A grain: a round point with the shading of a sphere. And the table as the camera shows it, darkened where nothing real
-// stands in front (runtime/shadow/README.md). The attachment encodes to sRGB, so colours are linear.
+// A grain: a round point with the shading of a sphere. And the table as the camera shows it, with what is real upon it, darkened by
+// shadows (runtime/shadow/README.md). The attachment encodes to sRGB, so colours are linear.
 #include <metal_stdlib>
 #include "shader_types.h"
 using namespace metal;
@@ -44,13 +44,18 @@ vertex TableCorner table_vertex(uint index [[vertex_id]], constant ShaderFrame& 
 }
 
 // 0: the object's shadow of the main light; 1: of the room's; 2, 3: the sand's.
-static float shadow(texture2d<float> map, float4 box, float2 place, float outside) {
+static float shadow(texture2d<float> map, float4 box, float2 place, float layer, float outside) {  // sandglass/cast.h
   constexpr sampler linear(filter::linear, address::clamp_to_edge);
   const float2 p = (place - box.xy) * box.zw;
-  return all(p == saturate(p)) ? map.sample(linear, p).r : outside;
+  const float number = float(map.get_height() / map.get_width()), lower = floor(layer), half_texel = 0.5f / float(map.get_width());
+  const float row = clamp(p.y, half_texel, 1.0f - half_texel);
+  const float low = map.sample(linear, float2(p.x, (lower + row) / number)).r;
+  const float high = map.sample(linear, float2(p.x, (min(lower + 1.0f, number - 1.0f) + row) / number)).r;
+  return all(p == saturate(p)) ? mix(low, high, layer - lower) : outside;
 }
 
-static float hidden(texture2d<float> depth, constant ShaderFrame& frame, float2 pixel, float drawn) {
+// Metres that what is real stands above the table; an eye below that sees nothing of what lies on it.
+static float stands(texture2d<float> depth, constant ShaderFrame& frame, float2 pixel, float drawn) {
   const float2 size = float2(depth.get_width(), depth.get_height());
   const float2 p = (frame.depth_from_screen * float3(pixel / frame.viewport, 1.0f)).xy * size - 0.5f;
   const float2 part = fract(p);
@@ -59,9 +64,9 @@ static float hidden(texture2d<float> depth, constant ShaderFrame& frame, float2 
     const float2 corner = float2(i & 1, i >> 1);
     const float real = depth.read(uint2(clamp(floor(p) + corner, float2(0.0f), size - 1.0f))).r;
     const float2 weight = mix(1.0f - part, part, corner);
-    float before = drawn - real;  // models/kit/before.glsl
-    if (frame.eye_height > 0.0f) before = min(before, (1.0f - real / drawn) * max(frame.eye_height, 4.0f * frame.depth_bias));
-    sum += weight.x * weight.y * (real > 0.0f ? smoothstep(frame.depth_bias, 2.0f * frame.depth_bias, before) : 0.0f);
+    float before = drawn - real, above = 2.0f * frame.height;
+    if (frame.eye_height > 0.0f) above = before = frame.eye_height * (1.0f - real / drawn);
+    sum += weight.x * weight.y * (real > 0.0f ? above * smoothstep(frame.depth_bias, 2.0f * frame.depth_bias, before) : 0.0f);
   }
   return sum;
 }
@@ -69,11 +74,14 @@ static float hidden(texture2d<float> depth, constant ShaderFrame& frame, float2 
 fragment float4 table_fragment(TableCorner in [[stage_in]], constant ShaderFrame& frame [[buffer(0)]],
                                array<texture2d<float>, 4> shadows [[texture(0)]],
                                texture2d<float> depth [[texture(4)]]) {
-  const float s = frame.main_share;
-  const float sharp = (1.0f - shadow(shadows[0], frame.boxes[0], in.place, 0.0f)) *
-                      (1.0f - frame.sand_opacity * shadow(shadows[2], frame.boxes[2], in.place, 0.0f));
-  const float rest = max(shadow(shadows[1], frame.boxes[1], in.place, 1.0f) - s, 0.0f) *
-                     max(shadow(shadows[3], frame.boxes[3], in.place, 1.0f) - s, 0.0f);
+  const float s = frame.main_share, up = stands(depth, frame, in.position.xy, in.depth);
+  const float2 from = frame.eye_height > 0.0f ? mix(in.place, frame.eye, up / frame.eye_height) : in.place;
+  const float share = saturate(up / frame.height);  // of the layers' height
+  const float sharp = (1.0f - shadow(shadows[0], frame.boxes[0], from - up * frame.slide, share * frame.layers[0], 0.0f)) *
+                      (1.0f - frame.sand_opacity * shadow(shadows[2], frame.boxes[2], from, 0.0f, 0.0f));
+  const float rest = max(shadow(shadows[1], frame.boxes[1], from, share * frame.layers[1], 1.0f) - s, 0.0f) *
+                     max(shadow(shadows[3], frame.boxes[3], from, 0.0f, 1.0f) - s, 0.0f);
   const float left = s * sharp + (s < 1.0f ? rest / (1.0f - s) : 0.0f);
-  return float4(0.0f, 0.0f, 0.0f, (1.0f - left) * (1.0f - hidden(depth, frame, in.position.xy, in.depth)));
+  // What stands higher, as a hand does, gets none.
+  return float4(0.0f, 0.0f, 0.0f, (1.0f - left) * (1.0f - smoothstep(frame.height, 2.0f * frame.height, up)));
 }

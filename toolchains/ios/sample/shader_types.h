@@ -10,6 +10,6 @@ struct ShaderFrame {
   // Of the table: sample::Shadows, and the depth of what is real.
   simd_float4 boxes[4];
   simd_float3x3 depth_from_screen;  // shares of the viewport, from its upper left corner, to shares of the depth image
-  simd_float2 viewport;
-  float half_side, main_share, sand_opacity, eye_height, depth_bias;  // metres, shares
+  simd_float2 viewport, eye, slide, layers;  // eye: x and z; layers: of the object's two textures, less 1
+  float half_side, main_share, sand_opacity, eye_height, depth_bias, height;  // metres, shares; height: of the layers
 };

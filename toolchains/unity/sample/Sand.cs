@@ -18,6 +18,7 @@ public unsafe class Sand : MonoBehaviour {
   public Material material;  // of Sand.shader
   public Material table;     // of Table.shader
   public MeshFilter casts;   // optional: an object on the table, whose mesh is readable and stays as it is
+  public MeshFilter[] real;  // optional: what is real upon the table, as ARMeshManager.meshes has it; the object's shadow falls on it
   public ARCameraManager cameraManager;
   // Lower it when the device warns, for example by the warning level of Adaptive Performance.
   [Range(0, 1)] public float thermalHeadroom = 1;
@@ -26,6 +27,8 @@ public unsafe class Sand : MonoBehaviour {
   const int Particles = 1500, Grains = 8 * Particles;
   const float HalfSide = 0.5f;     // metres: where shadows are seen
   const float DepthBias = 0.02f;   // metres: how wrong the depth of what is real may be
+  const float Receives = 0.15f;    // metres above the table: so high are the object's shadows made, by default
+  Material onReal;                 // of Table.shader, for meshes
   IntPtr memory, vertices, corners;
   int vertexCount, triangleCount;
   sandglass_pile_shadow* pile;
@@ -71,6 +74,7 @@ public unsafe class Sand : MonoBehaviour {
     Native.sandglass_cast_desc_default(&castDesc);
     Mesh mesh = casts != null ? casts.sharedMesh : null;
     int[] triangles = mesh != null ? mesh.triangles : new int[0];
+    castDesc.layers = 4;
     castDesc.triangle_capacity = (uint)Math.Max(1, 2 * triangles.Length / 3);
     ulong sceneBytes, roomBytes, pileBytes, castBytes;
     byte* reason;
@@ -96,6 +100,8 @@ public unsafe class Sand : MonoBehaviour {
       buffers[i] = new GraphicsBuffer(GraphicsBuffer.Target.Structured, Grains, sizeof(sandglass_grain));
       buffers[i].SetData(grains);
     }
+    onReal = new Material(table);
+    onReal.EnableKeyword("ON_MESH");
     Array.Clear(versions, 0, 5);
     newerTime = -1;
     cameraManager.frameReceived += Received;
@@ -254,10 +260,10 @@ public unsafe class Sand : MonoBehaviour {
   void Load(MaterialPropertyBlock block, int i, bool valid, sandglass_texture texture) {
     block.SetVector(names[i] + "Box", valid ? new Vector4(texture.corner[0], texture.corner[2], 1 / texture.along[0], 1 / texture.across[2]) : new Vector4(0, 0, 0, 0));
     if (!valid) return;
-    int side = (int)texture.side;
-    if (textures[i] == null || textures[i].width != side) textures[i] = new Texture2D(side, side, TextureFormat.R8, false, true);
+    int side = (int)texture.side, rows = (int)texture.layers * side;
+    if (textures[i] == null || textures[i].width != side) textures[i] = new Texture2D(side, rows, TextureFormat.R8, false, true);
     if (versions[i] != texture.version) {
-      textures[i].LoadRawTextureData((IntPtr)texture.bytes, side * side);
+      textures[i].LoadRawTextureData((IntPtr)texture.bytes, side * rows);
       textures[i].Apply();
       versions[i] = texture.version;
     }
@@ -270,6 +276,7 @@ public unsafe class Sand : MonoBehaviour {
     for (int i = 0; i < 2; ++i) {
       if (i == 0) Native.sandglass_cast_get_texture(cast, &texture); else Native.sandglass_cast_get_ambient(cast, &texture);
       Load(draw.matProps, i, texture.valid != 0 && triangleCount > 0, texture);
+      if (i == 0) draw.matProps.SetVector("_Slide", new Vector4(texture.slide[0], texture.slide[2], 0, 0));
     }
     Native.sandglass_pile_shadow_get_texture(pile, Native.SANDGLASS_PILE_SHADOW_SKY_FLOOR, &texture);
     Load(draw.matProps, 3, texture.valid != 0, texture);
@@ -280,7 +287,11 @@ public unsafe class Sand : MonoBehaviour {
     draw.matProps.SetFloat("_MainShare", shown.main_share);
     draw.matProps.SetFloat("_SandOpacity", texture.scale);
     draw.matProps.SetFloat("_Nearer", nearer);
+    draw.matProps.SetFloat("_Height", Receives);
     Graphics.RenderPrimitives(draw, MeshTopology.Triangles, 6);
+    var upon = new RenderParams(onReal) { worldBounds = draw.worldBounds, matProps = draw.matProps };
+    if (real != null)
+      foreach (MeshFilter one in real) Graphics.RenderMesh(upon, one.sharedMesh, 0, one.transform.localToWorldMatrix);
   }
 
   // The room's light at the sand, which comes in softly. For what else the app draws, set it on Unity's directional light
