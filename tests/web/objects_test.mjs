@@ -194,7 +194,32 @@ async function takesCameras() {
     assert.ok(Math.abs(told_of.diagonal - diagonal) < 1e-6, `${told_of.diagonal}, not ${diagonal}`);
     for (const k of [0, 1]) assert.ok(Math.abs(told_of.centre[k] - centre[k]) < 1e-5);
   }
-  await stage.see({ data: new Uint8Array(4 * 64 * 48).fill(90), width: 64, height: 48 }, quarter);
+  const picture = { data: new Uint8Array(4 * 64 * 48).fill(90), width: 64, height: 48 };
+  await stage.see(picture, quarter);
+  // A headset's camera, by its lens and its place on the headset, is the engine's camera there.
+  const headset = new THREE.Group().add(shifted);
+  headset.position.set(0.3, 1.6, -0.2);
+  headset.rotation.set(0.2, -0.7, 0.1);
+  shifted.position.set(0.03, 0.01, -0.05);
+  shifted.rotation.set(-0.3, 0.1, 0.05);
+  const { 0: px, 5: py, 8: right, 9: above } = shifted.projectionMatrix.elements;
+  const lens = { focal: [32 * px, 24 * py], centre: [(1 - right) * 32 - 0.5, (1 + above) * 24 - 0.5] };
+  const onHeadset = { position: shifted.position, orientation: shifted.quaternion };
+  const { position: p, quaternion: q } = headset;
+  const viewer = { position: { x: p.x, y: p.y, z: p.z, w: 1 }, orientation: { x: q.x, y: q.y, z: q.z, w: q.w } };
+  const seen = [];
+  stage.stage.see = (_, view) => seen.push(view);
+  await stage.see(picture, shifted);
+  await stage.seeThrough(picture, viewer, { ...lens, ...onHeadset });
+  await stage.seeThrough(picture, viewer, lens); // control: a camera in the middle of the headset
+  const far = (view) =>
+    Math.max(
+      ...["position", "orientation", "centre"].flatMap((of) => seen[0][of].map((x, k) => Math.abs(x - view[of][k]))),
+    );
+  assert.ok(far(seen[1]) < 1e-6 && Math.abs(seen[1].diagonal - seen[0].diagonal) < 1e-6, JSON.stringify(seen));
+  assert.ok(far(seen[2]) > 0.05);
+  await assert.rejects(stage.seeThrough(picture, viewer, { centre: [1, 1] }), /seeThrough: focal must be 2 numbers/);
+  await assert.rejects(stage.seeThrough(picture, null, lens), /where the viewer was then: an XRRigidTransform/);
 }
 
 // How many texels of the model's shadow are dark after some frames; nothing is drawn anew where it is as before.

@@ -71,6 +71,7 @@ const held = await engine.addPlace({});
 await held.update();
 await held.dispose();
 engine.seeHands(null);
+await engine.seeThrough({}, { position: {}, orientation: {} }, { focal: [500, 500], centre: [319.5, 239.5] });
 await engine.seeDepth(undefined, {});
 await engine.seeRoom({}, {});
 engine.update(1 / 60);

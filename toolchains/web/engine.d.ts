@@ -19,6 +19,13 @@ export interface Place {
   dispose(): Promise<void>;
 }
 
+/** Focal lengths and the middle in pixels of the picture, and where the camera is from the viewer (0), looking along -z. */
+export interface Lens {
+  focal: ArrayLike<number>;
+  centre: ArrayLike<number>;
+  position?: ArrayLike<number>;
+  orientation?: ArrayLike<number>;
+}
 /** What a depth texture shows, as receiveByDepth takes it. */
 export interface ByDepth {
   /** An image of depth along the camera's axis, the upper row first, 0 where it is not known; Babylon's depth renderer with
@@ -69,6 +76,14 @@ export interface EngineStage {
   addPlace(object: object): Promise<Place>;
   /** By the camera's projection matrix: any camera with perspective, also a tracker's or WebXR's. */
   see(image: object, camera: object, view?: View): Promise<void>;
+  /** The same of a camera with a known lens, such as getUserMedia's of a headset; `viewer`: where the headset was when the picture was
+   * taken, as an XRRigidTransform. */
+  seeThrough(
+    image: object,
+    viewer: { readonly position: object; readonly orientation: object },
+    lens: Lens,
+    view?: View,
+  ): Promise<void>;
   receive<Material extends object>(material: Material, options?: { shadowOnly?: boolean }): Material;
   stopReceiving(material: object): void;
   /** Shadows fall on what is drawn already, the camera's picture or splats, where its depth says that it stands: they slide over books

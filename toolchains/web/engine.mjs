@@ -1,11 +1,11 @@
 // What sandglass/three and sandglass/babylon have in common: a stage here or in a worker, and the objects that were added to it.
 import { Stage } from "./stage.mjs";
 import { isPose, k_ended } from "./options.mjs";
-import { pixelsOf } from "./place_light.mjs";
+import { pixelsOf, sizeOf } from "./place_light.mjs";
 import { WorkerStage, blockMade } from "./worker.mjs";
 import { k_block_text } from "./block_module.mjs";
 import { receivers } from "./glsl.mjs";
-import { depthOf, handJoints, roomOf } from "./webxr.mjs";
+import { depthOf, handJoints, roomOf, viewThrough } from "./webxr.mjs";
 
 const k_shape_frames = 20; // from one look at a model's parts to the next
 const k_shape_tolerance = 1e-3; // metres, or of a size
@@ -165,6 +165,12 @@ export class Engine {
     if (typeof camera?.[this.placing] !== "function")
       throw new Error("sandglass: see takes an image and the camera that took it.");
     await this.stage.see(pixelsOf(image), { ...this.cameraOf(camera), ...options });
+  }
+
+  // The same of a camera with a known lens, such as getUserMedia gives of a headset; `viewer`: where that was, an XRRigidTransform.
+  async seeThrough(image, viewer, lens, options) {
+    this.refuseEnded();
+    await this.stage.see(pixelsOf(image), { ...viewThrough(viewer, lens, sizeOf(image)), ...options });
   }
 
   async newSand(options) {

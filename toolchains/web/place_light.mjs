@@ -6,11 +6,16 @@ import { made } from "./mesh_field.mjs";
 const k_longest_side = 256; // pixels of an image that are read
 const k_not_read = "sandglass: see takes an image element, an ImageBitmap, a canvas or a video";
 
+// Pixels along its sides, as it is.
+export const sizeOf = (image) => [
+  image?.videoWidth || image?.naturalWidth || image?.width,
+  image?.videoHeight || image?.naturalHeight || image?.height,
+];
+
 // What see() takes, of an image, a video or a canvas.
 export function pixelsOf(image) {
   if (image?.data) return image;
-  const wide = image?.videoWidth || image?.naturalWidth || image?.width;
-  const high = image?.videoHeight || image?.naturalHeight || image?.height;
+  const [wide, high] = sizeOf(image);
   if (!(wide > 1 && high > 1)) throw new Error(`${k_not_read} that is loaded.`);
   const smaller = Math.min(1, k_longest_side / Math.max(wide, high));
   const [width, height] = [wide, high].map((side) => Math.max(1, Math.round(side * smaller)));

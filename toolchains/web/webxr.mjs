@@ -1,6 +1,8 @@
-// What WebXR tells of hands, of the room and of depth, as a stage takes it.
+// What WebXR tells of hands, of the room and of depth, as a stage takes it; and a picture of a headset's camera.
+import { checked, numbersOf } from "./options.mjs";
 
 const k_depth_pixels = { 2: Uint16Array, 4: Float32Array }; // by their bytes
+const k_lens = { focal: 2, centre: 2, position: 3, orientation: 4 };
 const k_straight = 1e-3; // how far a depth image's axes may be from square
 
 // The left hand and the right: of each its joints, or null where one of them is lost.
@@ -11,6 +13,32 @@ export const handJoints = (frame, space) =>
     if (joints.length === 0 || !joints.every((pose) => pose?.radius > 0)) return null;
     return joints.map(({ transform: { position }, radius }) => ({ position, radius }));
   });
+
+// How a camera with a known lens saw that is at `position`, `orientation` from the viewer and looks along -z; `size`: of the picture
+// that `focal` and `centre` are pixels of.
+export function viewThrough(viewer, lens, size) {
+  if (!viewer?.orientation)
+    throw new Error("sandglass: seeThrough takes a picture, and where the viewer was then: an XRRigidTransform.");
+  const needed = ["focal", "centre"];
+  const given = { position: [0, 0, 0], orientation: [0, 0, 0, 1], ...lens };
+  const { focal, centre, position: p, orientation: o } = checked("seeThrough", given, k_lens, { needed, reach: 1e6 });
+  if (!(Math.min(...focal) > 0)) throw new Error("sandglass: seeThrough needs focal lengths above 0, in pixels.");
+  const [x, y, z, w] = numbersOf(viewer.orientation, 4);
+  const [tx, ty, tz] = [y * p[2] - z * p[1], z * p[0] - x * p[2], x * p[1] - y * p[0]].map((c) => 2 * c);
+  const turned = [p[0] + w * tx + y * tz - z * ty, p[1] + w * ty + z * tx - x * tz, p[2] + w * tz + x * ty - y * tx];
+  const [across, up] = centre.map((c, k) => (2 * c + 1) / size[k] - 1);
+  return {
+    position: numbersOf(viewer.position, 3).map((c, k) => c + turned[k]),
+    orientation: [
+      w * o[0] + x * o[3] + y * o[2] - z * o[1],
+      w * o[1] - x * o[2] + y * o[3] + z * o[0],
+      w * o[2] + x * o[1] - y * o[0] + z * o[3],
+      w * o[3] - x * o[0] - y * o[1] - z * o[2],
+    ],
+    diagonal: (360 / Math.PI) * Math.atan(Math.hypot(size[0] / focal[0], size[1] / focal[1]) / 2),
+    centre: [-across, up],
+  };
+}
 
 // Of the room: by each XRMesh or XRPlane its pose and triangles, and when they changed.
 export function roomOf(frame, space) {
