@@ -219,6 +219,25 @@ TEST(PileShadow, FallsOnWhatStandsThere) {
   measured("over a book", "not told", std::sqrt(untold));
 }
 
+// A plane that trembles by a hundredth of a texel makes no texture anew; one that moves by a texel does.
+TEST(PileShadow, OfAPlaneThatTremblesIsMadeOnce) {
+  const Book book(0.04f);
+  const std::vector<float> sand = pile();
+  sandglass::PileShadow shadow = lit({50, 20});
+  const auto units = [&](float moved, uint64_t version) {
+    sandglass_heights map = book.map();
+    map.corner[0] += moved / 128;
+    map.version = version;
+    EXPECT_TRUE(shadow.set_ground(map));
+    return shadow.run(sand, k_radius);
+  };
+  EXPECT_GT(units(0, 1), 0u);
+  EXPECT_EQ(units(0, 1), 0u);
+  EXPECT_EQ(units(0.01f, 1), 0u);
+  EXPECT_GT(units(1, 1), 0u);
+  EXPECT_GT(units(1, 2), 0u);
+}
+
 TEST(PileShadow, OfSandInTheAirStandsOffFromItsFoot) {
   const std::vector<float> ball = spheres_in(
       [](const float* p) { return std::hypot(std::hypot(p[0], p[2]), p[1] - 0.2f) < 0.06f; }, k_radius, 0.1f, 0.3f);

@@ -12,6 +12,7 @@ namespace {
 
 constexpr float k_far = 1e4f;  // metres
 constexpr uint32_t k_side_max = 256;
+constexpr float k_same = 0.1f;  // texels: a tracked plane that moves its map by less moves no shadow
 
 bool is_level(const sandglass_heights& map) {
   const float *a = map.along, *b = map.across;
@@ -99,9 +100,11 @@ sandglass_status ground_take(PileGround* ground, const PileRectangle& rectangle,
   const sandglass_heights& was = ground->map;
   *changed = was.heights != map.heights || was.version != map.version || was.cells[0] != map.cells[0] ||
              was.cells[1] != map.cells[1];
+  const float same = k_same * (rectangle.texel[0] < rectangle.texel[1] ? rectangle.texel[0] : rectangle.texel[1]);
+  const auto moves = [same](float from, float to) { return __builtin_fabsf(to - from) > same; };
   for (uint32_t k = 0; k < 3; ++k)
-    *changed = *changed || was.corner[k] != map.corner[k] || was.along[k] != map.along[k] ||
-               was.across[k] != map.across[k] || was.up[k] != map.up[k];
+    *changed = *changed || moves(was.corner[k], map.corner[k]) || moves(was.along[k], map.along[k]) ||
+               moves(was.across[k], map.across[k]);
   if (!*changed) return accept(reason);
   ground->map = map;
   place(ground, rectangle);
