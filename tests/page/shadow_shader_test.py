@@ -16,6 +16,8 @@ import sys
 from browser import CHROMIUM, SKIPPED, SOFTWARE, USED_PROGRAM, Browser
 
 SIDE, TEXELS, BIAS = 48, 8, 0.2
+WHOLE = """#version 300 es
+void main() { gl_Position = vec4(2 * (gl_VertexID & 1) - 1, 2 * (gl_VertexID >> 1) - 1, 0, 1); }"""
 EYES = (0.8, 0.1, -0.3)  # metres above the plane: as usual, low, and below a shelf
 DRAW = (
     "(given) => {"
@@ -118,8 +120,6 @@ void main() {{
   vec3 place = vec3(gl_FragCoord.x, 0, gl_FragCoord.y) * (2.0 / {SIDE}.0) - vec3(1, 0, 1);
   pixel = vec4(vec3(mix(object_passed(place) * pile_passed(place) * opened(place) * under_sky(place), 1.0, hidden(place))), 1);
 }}"""
-    vertex = """#version 300 es
-void main() { gl_Position = vec4(2 * (gl_VertexID & 1) - 1, 2 * (gl_VertexID >> 1) - 1, 0, 1); }"""
     rectangles = {"pile": [0.1, 0.0, 0.9, 0.8], "shadow": [-0.5, -0.4, 0.3, 0.5], "occlusion": [-0.7, -0.6, 0.6, 0.7]}
     maps = noise_of(("pile", "shadow", "occlusion", "sky", "real_depth"), draw)
     # A wall at z = -0.2, and an eye in front of it.
@@ -146,7 +146,7 @@ void main() { gl_Position = vec4(2 * (gl_VertexID & 1) - 1, 2 * (gl_VertexID >> 
         away = hidden(maps["real_depth"], x, z, BIAS, [(eye, 0), (1.1, z + 0.2)])
         return 255 * (left + (1 - left) * away)
 
-    return farthest(browser, vertex, fragment, uniforms, [[name, TEXELS, maps[name]] for name in maps], formula)
+    return farthest(browser, WHOLE, fragment, uniforms, [[name, TEXELS, maps[name]] for name in maps], formula)
 
 
 def between(layers, rectangle, at, u, v, outside):
@@ -275,8 +275,6 @@ void main() {{
   vec2 place = gl_FragCoord.xy * (2.0 / {SIDE}.0) - 1.0;
   pixel = vec4(vec3(object_passed(vec3(place.x, 0.1 + 0.2 * place.x, place.y))), 1);
 }}"""
-    vertex = """#version 300 es
-void main() { gl_Position = vec4(2 * (gl_VertexID & 1) - 1, 2 * (gl_VertexID >> 1) - 1, 0, 1); }"""
     layers = [noise_of(["shadow"], draw)["shadow"] for _ in range(number)]
     uniforms = {
         "shadow_box": box_of(rectangle),
@@ -291,7 +289,7 @@ void main() { gl_Position = vec4(2 * (gl_VertexID & 1) - 1, 2 * (gl_VertexID >> 
         at = [c - above * towards[k] / towards[1] for k, c in ((0, x), (2, z))]
         return 255 * (1 - 0.9 * between(layers, rectangle, above / height * (number - 1), *at, 0))
 
-    return farthest(browser, vertex, fragment, uniforms, [["shadow", TEXELS, sum(layers, []), number * TEXELS]], formula)
+    return farthest(browser, WHOLE, fragment, uniforms, [["shadow", TEXELS, sum(layers, []), number * TEXELS]], formula)
 
 
 def farthest_on_receiver(browser, receive, draw):
@@ -305,8 +303,6 @@ void main() {{
   vec2 place = gl_FragCoord.xy * (2.0 / {SIDE}.0) - 1.0, left = sandglass_left(vec3(place.x, 0.1 + 0.2 * place.x, place.y));
   pixel = vec4(vec3(left.x * left.y), 1);
 }}"""
-    vertex = """#version 300 es
-void main() { gl_Position = vec4(2 * (gl_VertexID & 1) - 1, 2 * (gl_VertexID >> 1) - 1, 0, 1); }"""
     rectangles = {"pile": [0.1, 0.0, 0.9, 0.8], "shadow": [-0.8, -0.6, 0.5, 0.7], "occlusion": [-0.9, -0.6, 0.6, 0.7]}
     one = noise_of(("pile", "sky"), draw)
     layers = {name: [noise_of([name], draw)[name] for _ in range(number)] for name in ("shadow", "occlusion")}
@@ -329,7 +325,7 @@ void main() { gl_Position = vec4(2 * (gl_VertexID & 1) - 1, 2 * (gl_VertexID >> 
         left = (1 - 0.7 * sampled(one["pile"], rectangles["pile"], x, z, 0)) * (1 - hidden_by_object)
         return 255 * left * layered("occlusion", x, z, 1) * sampled(one["sky"], rectangles["pile"], x, z, 1)
 
-    return farthest(browser, vertex, fragment, uniforms, textures, formula)
+    return farthest(browser, WHOLE, fragment, uniforms, textures, formula)
 
 
 def shaders(arguments):

@@ -395,14 +395,14 @@ export class Stage {
       this.shade(this.#shown_light.toLight, [...cells], diameter);
     }
     if (this.#moved) this.#castModels();
-    this.#shadows.setGround(this.#place.heights);
-    const bodies = this.#bodies();
+    const place = this.takePlace();
+    const bodies = this.#bodies(place.bodies);
     const sandy = this.#radius > 0;
     bodies.forEach((body, i) => this.#colliders[i].set({ ...k_still, ...body }));
     this.#nozzles.forEach((nozzle, i) => this.#emitters[i].set(nozzle));
     this.#input.set({
       ...this.#shadows.fields,
-      ...this.#place.fields(),
+      ...place.fields,
       time_step: seconds,
       collider_count: sandy ? bodies.length : 0,
       emitter_count: sandy && this.#unmade === 0 ? this.#nozzles.length : 0,
@@ -411,10 +411,10 @@ export class Stage {
     return this.drawn(this.#shown_light);
   }
   // What the sand collides with.
-  #bodies() {
+  #bodies(place) {
     const { SANDGLASS_SHAPE_HALF_SPACE, SANDGLASS_SHAPE_FIELD, SANDGLASS_SHAPE_SPHERE } = constants;
     const floor = { shape: SANDGLASS_SHAPE_HALF_SPACE, position: this.#options.origin };
-    const bodies = [floor, ...this.#place.bodies, ...this.#hands.bodies];
+    const bodies = [floor, ...place, ...this.#hands.bodies];
     for (const [id, { position, rotation, field }] of this.#models)
       if (field) bodies.push({ shape: SANDGLASS_SHAPE_FIELD, position, rotation, field, id });
     for (const { position, radius, velocity = [0, 0, 0] } of this.#balls) {
