@@ -102,10 +102,9 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_pile_shadow_set_lig
 /* What the shadow falls on where that is not the floor alone: books, a cup, a step. `heights` is that of
  * sandglass_relief_get_heights, or an app's own map; its array must stay until the next call. FLOOR and SKY_FLOOR are then
  * of these heights: a place on a book reads its x and z as a place of the floor does. The map lies about level; its
- * numbers below desc.floor count as the floor. Call it every frame: the version of before, moved by less than a tenth of a texel, costs
- * nothing. NULL:
- * the floor alone. Fails with INVALID_ARGUMENT: no array, cells not in 2..256, an edge that is not finite, or edges that
- * are upright. Of a relief it may be called before or after the frame in which heights change. */
+ * numbers below desc.floor count as the floor. Call it every frame: what has the version of before, and has moved by less
+ * than a tenth of a texel, costs nothing. NULL: the floor alone. Fails with INVALID_ARGUMENT: no array, cells not in
+ * 2..256, an edge that is not finite, or edges that are upright. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_pile_shadow_set_ground(
     sandglass_pile_shadow* shadow, const struct sandglass_heights* heights, const char** reason);
 
