@@ -57,6 +57,11 @@ def until(browser, condition, sentence):
     check(right, sentence)
 
 
+def complains_of_nothing(browser):
+    told = [text for text in browser.complaints if not any(one in text for one in BENIGN)]
+    check(not told, f"the page complains of nothing: {told[:3]}")
+
+
 def still(browser):
     """Pictures that are drawn in a second, at last."""
     for _ in range(15):
@@ -72,6 +77,7 @@ def prepare(npm, work):
     shutil.copytree(npm, work / "node_modules/sandglass")
     for name in ("example", "main"):
         shutil.copy(HERE / f"{name}.tsx", work / f"react_{name}.tsx" if name == "main" else work / f"{name}.tsx")
+    shutil.copy(HERE / "things.ts", work)
     lines = len((HERE / "example.tsx").read_text().splitlines())
     check(lines <= 20, f"the example has {lines} lines, with its imports")
     subprocess.run(["node_modules/.bin/tsc", *STRICT, "react_main.tsx", "example.tsx"], cwd=work, check=True, timeout=300)
@@ -103,8 +109,7 @@ def hot(work, url):
             until(browser, f"workers === {workers}", f"after {name} there are {workers} workers, as before")
             now = [scene.replace(",edited", "") for scene in browser.ask("scenes()")]
             check(now == scenes, f"after {name} the scenes hold {now}")
-        told = [text for text in browser.complaints if not any(one in text for one in BENIGN)]
-        check(not told, f"the page complains of nothing: {told[:3]}")
+        complains_of_nothing(browser)
     finally:
         browser.close()
 
@@ -144,8 +149,7 @@ def main(arguments):
         until(browser, f"{KINDS} === ''", "unmounted, nothing is left in the scene")
         browser.ask("leave()")
         until(browser, "workers === 1", "unmounted, the workers of stages have ended; the one that makes fields is kept")
-        told = [text for text in browser.complaints if not any(one in text for one in BENIGN)]
-        check(not told, f"the page complains of nothing: {told[:3]}")
+        complains_of_nothing(browser)
     finally:
         browser.close()
     return 0

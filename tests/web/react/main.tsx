@@ -3,9 +3,9 @@ import { StrictMode, useState } from "react";
 import { Canvas, _roots, advance, useThree } from "@react-three/fiber";
 import { createRoot } from "react-dom/client";
 import { Hands, Place, Pour, Push, Sand, Sandglass, See, useSandglass } from "sandglass/react";
-import { BoxGeometry, Mesh, MeshStandardMaterial, PlaneGeometry } from "three";
 import type { Camera, Scene, WebGLRenderer } from "three";
 import { Example } from "./example.js";
+import { photograph, things } from "./things.js";
 
 const found: { [name: string]: { scene: Scene; gl: WebGLRenderer; camera: Camera; stage: object } } = {};
 // How many workers run.
@@ -62,18 +62,13 @@ function OnDemand({ photo }: { photo: ImageBitmap }) {
   );
 }
 async function begin() {
-  const pixels = new ImageData(64, 48);
-  pixels.data.forEach((_, i) => (pixels.data[i] = i < 40 * 64 ? 250 : i % 4 === 3 ? 255 : 90));
-  const photo = await createImageBitmap(pixels);
+  const photo = await photograph();
   const into = (height: number) => createRoot(document.body.appendChild(Object.assign(document.createElement("div"), { style: `height: ${height}px` })));
   const examples = [into(240), into(240)];
   for (const root of examples) {
-    const chair = new Mesh(new BoxGeometry(0.4, 0.4, 0.4), new MeshStandardMaterial({ color: "steelblue" }));
-    const floor = new Mesh(new PlaneGeometry(8, 8).rotateX(-Math.PI / 2), new MeshStandardMaterial());
-    chair.position.y = 0.2;
     root.render(
       <StrictMode>
-        <Example photo={photo} chair={chair} floor={floor} />
+        <Example photo={photo} {...things()} />
       </StrictMode>,
     );
   }
